@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from galewood.field import pull_and_release, tree_of_file
-from galewood.options import ImportRequest
+from galewood.options import BuildRequest
 from matplotlib.figure import Figure
 
 NAMES = ("poplar", "maple", "apricot", "poplar-forest", "maple-forest", "apricot-forest")
@@ -26,8 +26,8 @@ for season, panel in panels.items():
     for low, high in MEASURED[season]:
         panel.axhspan(low, high, color="0.85", linewidth=0)
     for name in NAMES:
-        request = ImportRequest(species=name.split("-")[0])
-        tree = tree_of_file(folder / f"{name}.glb", request, season=season)
+        options = BuildRequest(species=name.split("-")[0], foliage=season)
+        tree = tree_of_file(folder / f"{name}.glb", options)
         released = pull_and_release(tree.fem, sway=SWAY, cycles=CYCLES)
         sway, ratio = released.decay.by_cycle
         rising = np.argsort(sway)

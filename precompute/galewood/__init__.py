@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from galewood.fem import FemSettings
     from galewood.field import FieldError
     from galewood.notebook import NotebookError, show
-    from galewood.options import BuildRequest
+    from galewood.options import BuildRequest, ImportRequest
     from galewood.pipeline import Progress
     from galewood.table import TableError
     from galewood.util import Cancelled, MeshError
@@ -54,6 +54,7 @@ __all__ = [
     "FemSettings",
     "FieldError",
     "Forest",
+    "ImportRequest",
     "MeshError",
     "Model",
     "Motion",
@@ -103,6 +104,7 @@ _HOMES = {
     "NotebookError": "notebook",
     "show": "notebook",
     "BuildRequest": "options",
+    "ImportRequest": "options",
     "TableError": "table",
     "Cancelled": "util",
     "MeshError": "util",

@@ -12,7 +12,6 @@ from galewood.evaluation.measures import errors, windows
 from galewood.evaluation.reference_runs import read_reference_run, run_references
 from galewood.evaluation.source import Source, source_of
 from galewood.evaluation.winds import unseen_winds
-from galewood.mesh.types import ImportOptions
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import BuildOptions
 from galewood.table.format import Table, decode
@@ -43,7 +42,7 @@ def build(
 ) -> Built:
     """Build a species as `galewood build` does, without the comparison with the quadratic reference."""
     options = BuildOptions(
-        mesh_import=ImportOptions(species=name),
+        species=name,
         design_speed_m_s=design_speed_m_s,
         target_tets=target_tets,
         reference_frames=0,

@@ -1,7 +1,8 @@
 """The tree that the tests of formats write in many ways, and what every one of them must give."""
 
 import numpy as np
-from galewood.mesh.importer import ImportOptions, read_tree
+from galewood.mesh.importer import read_tree
+from galewood.options import ImportRequest
 
 from tests.precompute import tree_meshes as make
 
@@ -9,7 +10,7 @@ TREE = make.y_tree()
 HEIGHT_M = float(np.ptp(TREE.vertices[:, 1]))
 
 
-def wood_of(data: bytes, name="a.glb", options: ImportOptions | None = None):
+def wood_of(data: bytes, name="a.glb", options: ImportRequest | None = None):
     tree = read_tree(data, name, options)
     (wood,) = [p for p in tree.primitives if p.kind == "wood"]
     return tree, wood

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from galewood.mesh.importer import read_tree
-from galewood.mesh.types import ImportOptions
+from galewood.options import ImportRequest
 from galewood.tets.meshing import kept_tetrahedra, tetrahedralise
 
 from tests.precompute.tree_meshes import BRANCHES, Surface, cards, glb_bytes, y_tree
@@ -48,7 +48,7 @@ def cache_with_tets(
         (folder / name).symlink_to(shared / name, target_is_directory=True)
     with (shared / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # one meshes, the others wait for it
-        tree = read_tree(small_tree_glb(), "tree.glb", ImportOptions(species="maple", height_m=height_m))
+        tree = read_tree(small_tree_glb(), "tree.glb", ImportRequest(species="maple", height_m=height_m))
         if not kept_tetrahedra(tree, TARGET_TETS, shared / "tets").exists():
             tetrahedralise(tree, TARGET_TETS, shared / "tets")
     return folder

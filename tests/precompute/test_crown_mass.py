@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from galewood.mesh import TreeMesh
 from galewood.mesh.importer import read_tree
-from galewood.mesh.types import ImportOptions
+from galewood.options import ImportRequest
 from galewood.model import crown_mass
 from galewood.model.crown_mass import branch_mass_kg, twig_loads, twig_mass_per_area
 from galewood.skeleton import outline_of
@@ -46,7 +46,7 @@ def comb(bearing: int = 8) -> Any:
 
 
 def read(bare: bool = False, bearing: int = 8) -> TreeMesh:
-    return read_tree(make.archi(comb(bearing)), "a.csv", ImportOptions(bare=bare))
+    return read_tree(make.archi(comb(bearing)), "a.csv", ImportRequest(bare=bare))
 
 
 def as_a_mesh(tree: TreeMesh) -> TreeMesh:

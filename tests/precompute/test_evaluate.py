@@ -25,11 +25,10 @@ from galewood.evaluation.reference_runs import (
 from galewood.evaluation.source import Source, SourceError, find_model, source_of
 from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.fem.dynamics import Simulator
-from galewood.mesh.types import ImportOptions
 from galewood.pipeline.build import BuildOptions, build_table, model_of
 from galewood.sampling.runner import SampleTask, content_hash, run_task
 from galewood.table.format import Table, decode
-from galewood.wood.species import wood_of_species
+from galewood.wood import WoodDocument, wood_of_species
 from typer.testing import CliRunner
 
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
@@ -155,14 +154,17 @@ def test_the_plot_is_written(tmp_path: Path) -> None:
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
 
 
-SOFT = replace(
-    wood_of_species("maple"), young_longitudinal_pa=wood_of_species("maple").young_longitudinal_pa / 30
+SOFT = WoodDocument(
+    name="soft maple",
+    based_on="maple",
+    young_longitudinal_pa=wood_of_species("maple").young_longitudinal_pa / 30,
 )
 """With its own wood the stub sways at 7 Hz, too fast for the time steps of the elements to be exact."""
 HEIGHT_M = 5.2
 """A third of the small tree's own: it sways faster, so that a short run covers many periods."""
 OPTIONS = BuildOptions(
-    mesh_import=ImportOptions(species="maple", height_m=HEIGHT_M),
+    species="maple",
+    height_m=HEIGHT_M,
     target_tets=TARGET_TETS,
     sampled_elements=8,
     design_speed_m_s=14.0,

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.cli.commands import app
-from galewood.mesh import ImportOptions, TreeMesh
+from galewood.mesh import TreeMesh
 from galewood.mesh.importer import read_tree
 from galewood.model import beam_model, typical_frequency_hz
 from galewood.options import BuildRequest
-from galewood.pipeline import BuildOptions, build_options, expected_motion, motion_lines
+from galewood.pipeline import BuildOptions, expected_motion, motion_lines
 from galewood.pipeline.expected import length_words, steady_sway_m
 from galewood.pipeline.kernel_compilation import small_tree_obj
 from galewood.pipeline.stiffness import Goal, goal_of, scaled_to
@@ -29,7 +29,7 @@ WOOD = wood_of_species("maple")
 
 @pytest.fixture(scope="module")
 def tree() -> TreeMesh:
-    return read_tree(small_tree_obj(), "tree.obj", ImportOptions(species="maple", height_m=5.0, up_axis="y"))
+    return read_tree(small_tree_obj(), "tree.obj", ImportRequest(species="maple", height_m=5.0, up_axis="y"))
 
 
 def test_typical_frequency_is_that_of_measured_trees() -> None:
@@ -142,9 +142,7 @@ def test_wood_without_branches_cannot_be_given_a_sway(
     assert (goal.frequency_hz, goal.factor) == (2.0, 1.0)
 
 
-def test_requests_name_both_options() -> None:
-    options = build_options(BuildRequest(first_frequency_hz=0.5))
-    assert (options.first_frequency_hz, options.sway) == (0.5, None)
+def test_a_request_sets_the_stiffness_once() -> None:
     with pytest.raises(ValueError, match="sway"):
         BuildRequest(sway=0.9)
     with pytest.raises(ValueError, match="either"):

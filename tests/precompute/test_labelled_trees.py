@@ -12,7 +12,7 @@ from galewood.mesh.axis import to_y_up
 from galewood.mesh.classification import UNSURE_SHARE
 from galewood.mesh.formats import read_parts
 from galewood.mesh.importer import classify_content
-from galewood.mesh.types import ImportOptions
+from galewood.options import ImportRequest
 from scipy.spatial import KDTree
 
 from tests.precompute.labelled_trees import STYLES, LabelledFile, labelled_file
@@ -38,7 +38,7 @@ class Result:
 
 
 def classified(file: LabelledFile, seed: int) -> Result:
-    options = ImportOptions()
+    options = ImportRequest()
     parts, up, found = classify_content(read_parts(file.data, file.filename, options), options)
     back = to_y_up(up.value)
     centres = np.concatenate([p.positions[p.faces].mean(axis=1) @ back for p in parts])

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from galewood.mesh.beside import mesh_with_companions
 from galewood.mesh.colours import linear_from_srgb
-from galewood.mesh.importer import ImportOptions, read_tree
+from galewood.mesh.importer import read_tree
+from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface
 from PIL import Image
 
@@ -83,7 +84,7 @@ def test_a_zip_of_an_obj_with_its_materials_and_textures():
         image.save(stream, "PNG")
         images[name] = stream.getvalue()
     data = zipped({"tree.obj": obj_with_materials(), "tree.mtl": MTL.encode(), **images})
-    tree = read_tree(data, "tree.zip", ImportOptions(up_axis="y"))
+    tree = read_tree(data, "tree.zip", ImportRequest(up_axis="y"))
     wood = next(p for p in tree.primitives if p.kind == "wood")
     leaves = next(p for p in tree.primitives if p.kind == "leaves")
     assert wood.material is not None and leaves.material is not None
@@ -96,10 +97,10 @@ def test_a_zip_of_an_obj_with_its_materials_and_textures():
 
 
 def test_materials_that_were_not_uploaded_are_reported():
-    warnings = read_tree(obj_with_materials(), "tree.obj", ImportOptions(up_axis="y")).report["warnings"]
+    warnings = read_tree(obj_with_materials(), "tree.obj", ImportRequest(up_axis="y")).report["warnings"]
     assert any("tree.mtl" in words and "ZIP" in words for words in warnings)
     data = zipped({"tree.obj": obj_with_materials(), "tree.mtl": MTL.encode()})
-    warnings = read_tree(data, "tree.zip", ImportOptions(up_axis="y")).report["warnings"]
+    warnings = read_tree(data, "tree.zip", ImportRequest(up_axis="y")).report["warnings"]
     assert any("leaf one.png" in words for words in warnings)
     assert not any("missing.png" in words for words in warnings)  # its material is not used
 
@@ -113,7 +114,7 @@ def test_vertex_colours_of_an_obj_become_linear():
         "v " + " ".join(f"{c:.9g}" for c in (*v, *c)) for v, c in zip(TREE.vertices, colours, strict=True)
     ]
     data = "\n".join(lines + ["f " + " ".join(str(i + 1) for i in f) for f in TREE.faces]).encode()
-    _, wood = wood_of(data, "a.obj", ImportOptions(up_axis="y"))
+    _, wood = wood_of(data, "a.obj", ImportRequest(up_axis="y"))
     assert wood.colours is not None and wood.material is not None
     # IEC 61966-2-1 at its known points: 0 and 1 stay, 0.5 becomes 0.2140
     assert sorted({round(float(c), 4) for c in wood.colours[:, 1]}) == [
@@ -140,7 +141,7 @@ def test_colours_of_a_ply_become_linear(of):
         f"element face {len(face)}\nproperty list uchar int vertex_indices\n{paint if of == 'face' else ''}"
         "end_header\n"
     )
-    _, wood = wood_of(head.encode() + vertex.tobytes() + face.tobytes(), "a.ply", ImportOptions(up_axis="y"))
+    _, wood = wood_of(head.encode() + vertex.tobytes() + face.tobytes(), "a.ply", ImportRequest(up_axis="y"))
     assert wood.colours is not None
     linear = ((128 / 255 + 0.055) / 1.055) ** 2.4
     assert np.allclose(wood.colours[:, :3], (1.0, linear, 0.0), atol=1e-6)
@@ -172,7 +173,7 @@ def test_files_beside_a_mesh_are_taken_from_its_folder_only(tmp_path):
     packed = mesh_with_companions(folder / "tree.obj")
     assert zipfile.ZipFile(io.BytesIO(packed)).namelist() == ["tree.obj", "textures/leaf one.png", "tree.mtl"]
     assert packed == mesh_with_companions(folder / "tree.obj")
-    tree = read_tree(packed, "tree.obj", ImportOptions(up_axis="y"))
+    tree = read_tree(packed, "tree.obj", ImportRequest(up_axis="y"))
     leaves = next(p for p in tree.primitives if p.kind == "leaves")
     assert leaves.material is not None and list(leaves.material.images) == ["base"]
 

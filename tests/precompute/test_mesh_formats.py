@@ -6,7 +6,8 @@ import json
 import meshopt
 import numpy as np
 import pytest
-from galewood.mesh.importer import ImportOptions, read_tree, render_glb
+from galewood.mesh.importer import read_tree, render_glb
+from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface
 from galewood.mesh.sandboxed import import_mesh_sandboxed
 from PIL import Image
@@ -118,7 +119,7 @@ def test_weights_move_each_vertex_by_the_mean_of_its_joints():
     file.node(translation=[0.0, 0, 8.0], scale=[1.0, 2.0, 1.0])
     file.json["skins"] = [{"joints": [0, 1]}]
     file.node(mesh=file.mesh(primitive), skin=0)
-    tree, _ = wood_of(file.bytes(), options=ImportOptions(up_axis="y"))
+    tree, _ = wood_of(file.bytes(), options=ImportRequest(up_axis="y"))
     assert tree.height_m == pytest.approx(HEIGHT_M * (64 + 2 * 191) / 255, rel=1e-5)
 
 

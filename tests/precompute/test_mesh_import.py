@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import ImportOptions, read_tree, render_glb
+from galewood.mesh.importer import read_tree, render_glb
+from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface, agree_windings, cap, face_outwards, open_edges, volume, weld
 
 from tests.precompute import tree_meshes as make
@@ -49,7 +50,7 @@ def test_assumptions_are_reported_and_can_be_overridden():
         "value": "z"
     }
     assert len(tree.report["warnings"]) == 2
-    told = read_tree(data, "aspen.obj", ImportOptions(species="maple", height_m=7.0, up_axis="z"))
+    told = read_tree(data, "aspen.obj", ImportRequest(species="maple", height_m=7.0, up_axis="z"))
     assert (told.species, told.height_m) == ("maple", pytest.approx(7.0))
     assert told.report["warnings"] == []
 
@@ -64,7 +65,7 @@ def test_obj_groups_distinguish_wood_from_leaves_and_options_override_them():
     data = "\n".join(text).encode()
     tree = read_tree(data, "a.obj")
     assert [(p.kind, len(p.faces)) for p in tree.primitives] == [("wood", len(wood.faces)), ("leaves", 4)]
-    swapped = read_tree(data, "a.obj", ImportOptions(wood=("stuff", "canopy")))
+    swapped = read_tree(data, "a.obj", ImportRequest(wood_materials=["stuff", "canopy"]))
     assert [p.kind for p in swapped.primitives] == ["wood", "wood"]
 
 
@@ -113,7 +114,7 @@ def test_inside_out_wood_is_reversed_and_reported():
 
 def test_larger_of_two_trees_is_kept_with_a_warning():
     small = Surface(make.y_tree().vertices * 0.7 + (6.0, 0, 0), make.y_tree().faces)
-    tree = read_tree(make.obj_bytes(make.joined(small, make.y_tree())), "two.obj", ImportOptions(up_axis="y"))
+    tree = read_tree(make.obj_bytes(make.joined(small, make.y_tree())), "two.obj", ImportRequest(up_axis="y"))
     assert np.ptp(tree.wood_vertices_m[:, 0]) < 4.0
     assert sum(len(p.faces) for p in tree.primitives) == len(make.y_tree().faces)
     assert any("2 trees; tree 1 is imported" in w for w in tree.report["warnings"])

@@ -8,7 +8,8 @@ import zipfile
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import ImportOptions, read_tree
+from galewood.mesh.importer import read_tree
+from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface
 from galewood.util import MeshError
 
@@ -133,11 +134,10 @@ def test_latin_1_names_and_quads_with_continuation_are_read():
     assert read_tree("# érable\n".encode("latin-1") + make.obj_bytes(make.y_tree()), "a.obj").height_m > 4
     box = b"".join(b"v %d %d %d\r\n" % (x, 8 * y, z) for y in (0, 1) for z in (0, 1) for x in (0, 1))
     faces = b"f 1 3 \\\r\n 4 2\r\nf 5 6 8 7\r\nf 1 2 6 5\r\nf 3 7 8 4\r\nf 1 5 7 3\r\nf 2 4 8 6\r\n"
-    assert len(read_tree(box + faces, "box.obj", ImportOptions(up_axis="y")).wood_faces) == 12
+    assert len(read_tree(box + faces, "box.obj", ImportRequest(up_axis="y")).wood_faces) == 12
 
 
-@pytest.mark.parametrize("options", [ImportOptions(height_m=1e6), ImportOptions(wood=("nothing",))])
-def test_impossible_options_are_rejected(options):
+def test_wood_that_is_not_in_the_file_is_rejected():
     with pytest.raises(MeshError) as caught:
-        read_tree(GLB, "a.glb", options)
+        read_tree(GLB, "a.glb", ImportRequest(wood_materials=["nothing"]))
     assert caught.value.reason == "unsuitable"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.mesh import ImportOptions
+from galewood.options import ImportRequest
 from galewood.mesh.importer import read_tree, render_glb
 from galewood.mesh.sandboxed import pack_tree
 from galewood.util import MeshError
@@ -43,7 +43,7 @@ def texts_in(value: Any) -> list[str]:
     return [text for inner in value for text in texts_in(inner)] if isinstance(value, list) else []
 
 
-def read_or_refused(data: bytes, name: str, options: ImportOptions | None = None) -> Any:
+def read_or_refused(data: bytes, name: str, options: ImportRequest | None = None) -> Any:
     """The report, or the error's texts; everything can be encoded, stored and shown."""
     try:
         tree = read_tree(data, name, options)
@@ -101,7 +101,7 @@ def test_names_that_differ_stay_different_parts():
 def test_a_part_is_chosen_by_its_name_as_in_the_file_or_as_shown():
     document = with_value(DOCUMENT, ("nodes", 3, "name"), "odd\u200bpart")
     for name in ("odd\u200bpart", "odd<U+200B>part"):
-        report = read_or_refused(glb_of(document, BINARY), "a.glb", ImportOptions(drop=(name,)))
+        report = read_or_refused(glb_of(document, BINARY), "a.glb", ImportRequest(drop=[name]))
         kinds = {piece["kind"] for piece in report["pieces"] if "odd<U+200B>part" in piece["names"]}
         assert kinds == {"other"}, report
 

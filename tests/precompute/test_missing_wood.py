@@ -15,16 +15,15 @@ from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
 from galewood.mesh.sandboxed import pack_tree, unpack_tree
 from galewood.mesh.sections import edge_samples, sections_at
-from galewood.mesh.types import ImportOptions, RawPart, TreeMesh
+from galewood.mesh.types import RawPart, TreeMesh
 from galewood.model import beam_model, in_added_wood
 from galewood.model.axis import axis_of_frame
 from galewood.model.beam_tree import frame_of
 from galewood.model.foliage import LEAF_MASS_KG_M2
 from galewood.model.holds import holds_of
-from galewood.options import BuildRequest, ImportRequest, import_options
+from galewood.options import ImportRequest
 from galewood.pictures.thumbnail import draw
 from galewood.pipeline.drawn_figures import DrawnFigures
-from galewood.pipeline.options import build_options
 from galewood.skeleton import outline_of
 from galewood.util import Floats, MeshError
 from galewood.wood import wood_of_species
@@ -56,7 +55,7 @@ def named_glb(wood: Surface | None, leaves: Surface) -> bytes:
 def read(
     wood: Surface | None, leaves: Surface, complete: bool | None = None, height_m: float = HEIGHT_M
 ) -> TreeMesh:
-    options = ImportOptions(height_m=height_m, up_axis="y", complete=complete)
+    options = ImportRequest(height_m=height_m, up_axis="y", complete=complete)
     return read_tree(named_glb(wood, leaves), "tree.glb", options)
 
 
@@ -289,9 +288,3 @@ def test_pictures_show_the_added_wood(lollipop: TreeMesh):
         shares.append(float((pixels[..., 2] > pixels[..., 0] + 20).mean()))
     assert shares[0] == 0.0
     assert shares[1] > 0.005
-
-
-def test_the_choice_is_an_option_of_imports_and_builds():
-    assert import_options(ImportRequest()).complete is None
-    assert import_options(ImportRequest(complete=False)).complete is False
-    assert build_options(BuildRequest(complete=True)).mesh_import.complete is True

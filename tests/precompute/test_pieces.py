@@ -6,7 +6,8 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from galewood.mesh.importer import ImportOptions, read_tree
+from galewood.mesh.importer import read_tree
+from galewood.options import ImportRequest
 from galewood.mesh.painted import ranges_of
 from galewood.mesh.piece_colour import face_colours, hue_saturation_value
 from galewood.mesh.piece_mesh import pieces_glb
@@ -117,7 +118,7 @@ def test_choices_by_id_change_only_their_piece_and_ids_stay():
     plain = read_tree(file.data, file.filename).report
     pot = next(p for p in plain["pieces"] if p.get("what") == "pot")
     crown = next(p for p in plain["pieces"] if p["kind"] == "leaves")
-    chosen = ImportOptions(wood=(pot["id"],), drop=(crown["id"],))
+    chosen = ImportRequest(wood_materials=[pot["id"]], drop=[crown["id"]])
     report = read_tree(file.data, file.filename, chosen).report
     kinds = {p["id"]: (p["kind"], p["chosen"]) for p in report["pieces"]}
     assert kinds.pop(pot["id"]) == ("wood", True)
@@ -138,20 +139,20 @@ def test_vertex_pieces_cover_the_drawn_vertices():
 
 def test_another_tree_of_the_file_can_be_chosen():
     file = labelled_file("two_trees", SEED)
-    first, second = (read_tree(file.data, file.filename, ImportOptions(tree=n)) for n in (1, 2))
+    first, second = (read_tree(file.data, file.filename, ImportRequest(tree=n)) for n in (1, 2))
     assert [t["taken"] for t in second.report["trees"]] == [False, True]
     assert first.height_m > second.height_m
     assert second.height_m == pytest.approx(second.report["trees"][1]["height_m"], rel=1e-2)
     with pytest.raises(MeshError, match="no tree 3"):
-        read_tree(file.data, file.filename, ImportOptions(tree=3))
+        read_tree(file.data, file.filename, ImportRequest(tree=3))
 
 
 def test_an_unknown_piece_is_refused_with_those_that_exist():
     file = labelled_file("pot", SEED)
     for options in (
-        ImportOptions(drop=("9.9",)),
-        ImportOptions(leaves=("moss",)),
-        ImportOptions(wood=("7.0",)),
+        ImportRequest(drop=["9.9"]),
+        ImportRequest(leaves=["moss"]),
+        ImportRequest(wood_materials=["7.0"]),
     ):
         with pytest.raises(MeshError) as caught:
             read_tree(file.data, file.filename, options)
@@ -164,13 +165,13 @@ def test_a_bush_of_foliage_only_is_refused_with_a_hint():
     text = ["o bush"] + ["v " + " ".join(map(str, v)) for v in crown.vertices]
     data = "\n".join(text + ["f " + " ".join(str(i + 1) for i in f) for f in crown.faces]).encode()
     with pytest.raises(MeshError, match="No wood was found") as caught:
-        read_tree(data, "bush.obj", ImportOptions(complete=False))
+        read_tree(data, "bush.obj", ImportRequest(complete=False))
     assert "--complete" in caught.value.hint
 
 
 def test_wood_that_ends_low_in_the_crown_is_reported():
     file = labelled_file("conifer_tiers", SEED)
-    warnings = read_tree(file.data, file.filename, ImportOptions(complete=False)).report["warnings"]
+    warnings = read_tree(file.data, file.filename, ImportRequest(complete=False)).report["warnings"]
     assert any("The wood ends at" in w for w in warnings)
 
 
@@ -208,7 +209,7 @@ def test_single_pieces_are_chosen_by_ranges_and_the_rest_keeps_its_id():
     crowd = max((p for p in plain["pieces"] if p["kind"] == "wood"), key=lambda p: p["pieces"])
     part, first = crowd["id"].split(".")
     name = f"{part}.{int(first) + 1}-{int(first) + 1}"
-    report = read_tree(file.data, file.filename, ImportOptions(drop=(name,))).report
+    report = read_tree(file.data, file.filename, ImportRequest(drop=[name])).report
     painted = next(p for p in report["pieces"] if p.get("ranges"))
     rest = next(p for p in report["pieces"] if p["id"] == crowd["id"])
     assert (painted["kind"], painted["pieces"], painted["ranges"], painted["chosen"]) == (
@@ -220,10 +221,10 @@ def test_single_pieces_are_chosen_by_ranges_and_the_rest_keeps_its_id():
     assert (rest["kind"], rest["pieces"]) == ("wood", crowd["pieces"] - 1)
     assert rest["faces"] + painted["faces"] == crowd["faces"]
     # one piece of its group keeps what the whole group was made
-    both = read_tree(file.data, file.filename, ImportOptions(leaves=(crowd["id"],), drop=(name,))).report
+    both = read_tree(file.data, file.filename, ImportRequest(leaves=[crowd["id"]], drop=[name])).report
     assert {p["id"]: p["kind"] for p in both["pieces"]}[crowd["id"]] == "leaves"
     with pytest.raises(MeshError) as caught:
-        read_tree(file.data, file.filename, ImportOptions(drop=(f"{part}.900-901",)))
+        read_tree(file.data, file.filename, ImportRequest(drop=[f"{part}.900-901"]))
     assert caught.value.code == "no-such-piece"
 
 

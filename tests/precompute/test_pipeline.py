@@ -1,13 +1,12 @@
 """The build pipeline on a small tree: from a mesh file to a table, artefacts, cancellation and resumption."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.mesh.types import ImportOptions
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress
 from galewood.player.modal_forest import ModalForest
@@ -20,14 +19,14 @@ from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tre
 from tests.precompute.tree_meshes import glb_bytes, y_tree
 
 OPTIONS = BuildOptions(
-    mesh_import=ImportOptions(species="maple"),
+    species="maple",
     target_tets=TARGET_TETS,
     sampled_elements=8,
     design_speed_m_s=20.0,
     frames=12,
     reference_frames=12,
 )
-UNCOMPARED = replace(OPTIONS, reference_frames=0)
+UNCOMPARED = OPTIONS.model_copy(update={"reference_frames": 0})
 """For the builds whose report is not looked at."""
 
 pytestmark = pytest.mark.usefixtures("one_worker")
@@ -159,7 +158,7 @@ def test_the_records_follow_in_a_file_of_their_own(built: Built) -> None:
 
 
 def test_the_records_can_be_left_out(mesh: bytes, built: Built) -> None:
-    options = replace(UNCOMPARED, paper=False)
+    options = UNCOMPARED.model_copy(update={"paper": False})
     alone = build_table(mesh, "tree.glb", options, in_this_process, cache_dir=built.cache)
     assert built.result
     assert alone.records is None
@@ -204,11 +203,11 @@ def test_a_tree_also_gets_a_table_without_its_leaves(mesh: bytes, built: Built) 
     out: dict[str, bytes] = {}
     complete: list[BuildResult] = []
     both = build_table(
-        mesh, "tree.glb", replace(UNCOMPARED, bare_table=True), in_this_process,
+        mesh, "tree.glb", UNCOMPARED.model_copy(update={"bare_table": True}), in_this_process,
         cache_dir=built.cache, publish=out.__setitem__, on_table=complete.append,
     )  # fmt: skip
     alone = build_table(
-        mesh, "tree.glb", replace(UNCOMPARED, foliage="bare", paper=False), in_this_process,
+        mesh, "tree.glb", UNCOMPARED.model_copy(update={"foliage": "bare", "paper": False}), in_this_process,
         cache_dir=built.cache,
     )  # fmt: skip
     assert both.bare_table == alone.table == out["bare.table"]
@@ -231,6 +230,6 @@ def test_a_tree_also_gets_a_table_without_its_leaves(mesh: bytes, built: Built) 
 
 
 def test_the_table_of_a_mesh_without_leaves_is_bare(built: Built) -> None:
-    options = replace(UNCOMPARED, bare_table=True, paper=False)
+    options = UNCOMPARED.model_copy(update={"bare_table": True, "paper": False})
     wooden = build_table(glb_bytes(y_tree()), "tree.glb", options, in_this_process, cache_dir=built.cache)
     assert decode(wooden.table).foliage == "bare" and wooden.bare_table is None

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from galewood.mesh.importer import read_tree
-from galewood.mesh.types import ImportOptions
+from galewood.options import ImportRequest
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "examples" / "synthetic_scan.py"
 TREES = {
@@ -26,7 +26,7 @@ def test_a_grown_tree_has_the_size_that_was_asked_for(
     options = [word for key, value in asked.items() for word in (f"--{key}", str(value))]
     monkeypatch.setattr(sys, "argv", [str(SCRIPT), *options, "--out", str(out)])
     runpy.run_path(str(SCRIPT), run_name="__main__")
-    qsm = read_tree(out.read_bytes(), out.name, ImportOptions()).report["qsm"]
+    qsm = read_tree(out.read_bytes(), out.name, ImportRequest()).report["qsm"]
     assert qsm["cylinders"] == asked["cylinders"]
     assert qsm["height_m"] == pytest.approx(asked["height-m"], rel=0.07)
     assert qsm["dbh_cm"] == pytest.approx(asked["dbh-cm"], rel=0.05)

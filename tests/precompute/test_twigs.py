@@ -8,7 +8,8 @@ from galewood.mesh.classification import classify
 from galewood.mesh.importer import read_tree
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
-from galewood.mesh.types import ImportOptions, RawPart, RenderPrimitive
+from galewood.mesh.types import RawPart, RenderPrimitive
+from galewood.options import ImportRequest
 from galewood.model.beam_tree import beam_model
 from galewood.model.binding import nearest_of_pieces
 from galewood.model.foliage import crown_loads
@@ -36,8 +37,8 @@ def tree_with_twigs() -> bytes:
 
 
 def test_named_twigs_are_drawn_but_not_meshed():
-    plain = read_tree(make.glb_bytes(make.y_tree()), "tree.glb", ImportOptions())
-    tree = read_tree(tree_with_twigs(), "tree.glb", ImportOptions())
+    plain = read_tree(make.glb_bytes(make.y_tree()), "tree.glb", ImportRequest())
+    tree = read_tree(tree_with_twigs(), "tree.glb", ImportRequest())
     assert [p.kind for p in tree.primitives] == ["wood", "twigs", "leaves"]
     np.testing.assert_array_equal(tree.wood_faces, plain.wood_faces)
     np.testing.assert_allclose(tree.wood_vertices_m, plain.wood_vertices_m)
@@ -56,19 +57,19 @@ def test_named_twigs_are_drawn_but_not_meshed():
 def test_names_of_twigs(labels, kind):
     surface = make.y_tree()
     trunk = RawPart(("trunk",), surface.vertices, surface.faces)
-    pieces = classify([trunk, RawPart(labels, *_arrays(twig()))], ImportOptions()).parts
+    pieces = classify([trunk, RawPart(labels, *_arrays(twig()))], ImportRequest()).parts
     assert [piece.kind for piece in pieces] == ["wood", kind]
 
 
 def test_twigs_without_thicker_wood_are_the_wood():
     surface = make.y_tree()
-    pieces = classify([RawPart(("twigs",), surface.vertices, surface.faces)], ImportOptions()).parts
+    pieces = classify([RawPart(("twigs",), surface.vertices, surface.faces)], ImportRequest()).parts
     assert [piece.kind for piece in pieces] == ["wood"]
 
 
 def test_parts_chosen_as_wood_by_the_user_are_wood_even_if_named_twigs():
     parts = [RawPart((name,), *_arrays(twig())) for name in ("twigs", "twigs thin", "crown")]
-    pieces = classify(parts, ImportOptions(wood=("twigs",))).parts
+    pieces = classify(parts, ImportRequest(wood_materials=["twigs"])).parts
     assert [piece.kind for piece in pieces] == ["wood", "twigs", "leaves"]
 
 
@@ -102,7 +103,7 @@ def test_the_volume_of_twigs_is_exact_whichever_way_they_are_wound():
 
 
 def test_the_mass_of_twigs_is_their_volume_times_density_where_they_stand():
-    tree = read_tree(tree_with_twigs(), "tree.glb", ImportOptions())
+    tree = read_tree(tree_with_twigs(), "tree.glb", ImportRequest())
     heights = np.array([0.0, 2.0, 4.0])
 
     def spread(part: RenderPrimitive, amount: Floats) -> Floats:
@@ -127,7 +128,7 @@ def test_a_twig_follows_its_base_even_where_it_pierces_another_limb():
 
 
 def test_a_twig_is_not_deformed_by_the_beams_it_hangs_on():
-    tree = read_tree(tree_with_twigs(), "tree.glb", ImportOptions())
+    tree = read_tree(tree_with_twigs(), "tree.glb", ImportRequest())
     model = beam_model(tree, WOOD)
     first = len(tree.primitives[0].positions_m)
     count = len(twig().vertices)

@@ -9,7 +9,8 @@ from galewood.mesh.formats import read_parts
 from galewood.mesh.importer import read_tree
 from galewood.mesh.joined_parts import joined_parts
 from galewood.mesh.pieces import find_pieces
-from galewood.mesh.types import ImportOptions, RawPart
+from galewood.mesh.types import RawPart
+from galewood.options import ImportRequest
 from galewood.mesh.upright import ground, section_thickness
 
 from tests.precompute import tree_meshes as make
@@ -23,7 +24,7 @@ FORMATS = ("obj", "ply", "stl", "glb")
 def parts_y_up(style: str) -> list[RawPart]:
     file = labelled_file(style, SEED)
     back = to_y_up(file.up)
-    read = read_parts(file.data, file.filename, ImportOptions()).parts
+    read = read_parts(file.data, file.filename, ImportRequest()).parts
     return [replace(p, positions=p.positions @ back.T, normals=None) for p in read]
 
 
@@ -50,7 +51,7 @@ def test_no_orientation_is_wrong_without_a_word(style):
             vertices = np.concatenate([p.positions for p in turned])
             start = np.cumsum([0] + [len(p.positions) for p in turned])
             faces = np.concatenate([p.faces + int(o) for p, o in zip(turned, start, strict=False)])
-            up = choose_up_axis(vertices, faces, find_pieces(turned), file_format, ImportOptions())
+            up = choose_up_axis(vertices, faces, find_pieces(turned), file_format, ImportRequest())
             assert up.unsure or up.value == axis, (style, file_format, axis, up)
             asked += up.unsure
     assert asked < len(FORMATS) * len(AXES)
@@ -78,8 +79,8 @@ def test_a_careless_glb_is_turned_or_asked_for():
 def test_a_tree_on_its_head_can_be_turned():
     mesh = make.y_tree()
     turned = replace(mesh, vertices=mesh.vertices * (1.0, -1.0, -1.0))
-    tree = read_tree(make.obj_bytes(turned), "tree.obj", ImportOptions(up_axis="-y"))
-    plain = read_tree(make.obj_bytes(mesh), "tree.obj", ImportOptions(up_axis="y"))
+    tree = read_tree(make.obj_bytes(turned), "tree.obj", ImportRequest(up_axis="-y"))
+    plain = read_tree(make.obj_bytes(mesh), "tree.obj", ImportRequest(up_axis="y"))
     assert tree.wood_vertices_m == pytest.approx(plain.wood_vertices_m, abs=1e-9)
 
 

@@ -10,10 +10,10 @@ from galewood_server.app.main import create_app, run
 from galewood_server.settings import Settings
 
 if TYPE_CHECKING:  # the package loads scipy, which a fake has no use for
-    from galewood.mesh.types import ImportOptions
+    from galewood.options import ImportRequest
 
 
-def fake_importer(data: bytes, filename: str, options: ImportOptions) -> Any:
+def fake_importer(data: bytes, filename: str, options: ImportRequest) -> Any:
     if not data:
         raise MeshError("empty-file", "malformed", "The file is empty.", "Choose another file.")
     mesh = SimpleNamespace(

@@ -16,7 +16,7 @@ from tests.server.fake_server import fake_importer
 from tests.server.in_process import application
 
 if TYPE_CHECKING:
-    from galewood.mesh import ImportOptions
+    from galewood.options import ImportRequest
 
 SPECIES = REPOSITORY / "assets" / "species"
 NAME = "apricot"
@@ -72,7 +72,7 @@ def check(server: Server, species: Path) -> None:
 def test_the_structure_of_an_upload_that_is_not_built_costs_nothing(tmp_path: Path) -> None:
     imported: list[str] = []
 
-    def importer(data: bytes, filename: str, options: ImportOptions) -> Any:
+    def importer(data: bytes, filename: str, options: ImportRequest) -> Any:
         imported.append(filename)
         return fake_importer(data, filename, options)
 

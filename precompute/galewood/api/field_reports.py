@@ -10,7 +10,7 @@ from typing import Any
 
 from galewood.api.cache import default_cache_dir
 from galewood.field import FieldOptions, run_field
-from galewood.wood import Wood
+from galewood.options import BuildRequest
 
 
 def field_report(
@@ -19,12 +19,9 @@ def field_report(
     measurements: str | Path | None = None,
     output: str | Path | None = None,
     jobs: int = 1,
-    min_radius_mm: float | None = None,
-    wood: Wood | None = None,
+    trees: BuildRequest | None = None,
     damping: bool = True,
     sway: float = 0.03,
-    target_tets: int = 5500,
-    root_stiffness_nm_rad: float | None = None,
     on_progress: Callable[[float, str], None] | None = None,
     cache_dir: Path | None = None,
 ) -> dict[str, Any]:
@@ -37,12 +34,10 @@ def field_report(
         measurements: CSV table; by default the only one in the folder.
         output: Folder to write; by default "field-report" in the folder.
         jobs: Trees to compute at the same time, each in a process.
-        min_radius_mm: Scanned trees: drop branches thinner than this.
-        wood: Wood of the trees for which the table names no species; by default that of their files.
+        trees: Options of every tree, such as ``min_radius_mm``, ``target_tets`` and ``root_stiffness_knm``;
+            its ``wood`` is that of the trees for which the table names no species.
         damping: Whether to pull and release every tree to find its damping.
         sway: How far to pull, as a share of the height.
-        target_tets: Number of tetrahedra to aim at.
-        root_stiffness_nm_rad: Rotational stiffness of the root plates, N·m/rad; by default they are rigid.
         on_progress: Receives the fraction done and a message after every tree; if it raises ``Cancelled``,
             the report holds the trees that are finished.
         cache_dir: Folder for meshes; by default the user's cache folder.
@@ -54,12 +49,9 @@ def field_report(
         measurements=Path(measurements) if measurements else None,
         output=Path(output) if output else None,
         jobs=jobs,
-        min_radius_mm=min_radius_mm,
-        wood=wood,
+        trees=trees or BuildRequest(),
         damping=damping,
         sway=sway,
-        target_tets=target_tets,
-        root_stiffness_nm_rad=root_stiffness_nm_rad,
         cache_dir=cache_dir or default_cache_dir(),
     )
     return run_field(Path(folder), options, on_progress or (lambda share, message: None))

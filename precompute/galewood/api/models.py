@@ -15,6 +15,7 @@ from galewood.api.cache import default_cache_dir
 from galewood.api.trees import Tree
 from galewood.fem import FemModel, FemSettings, Simulator
 from galewood.model import tree_model
+from galewood.options import USUAL_TETS
 from galewood.table import Foliage
 from galewood.util import Floats, Singles
 from galewood.wind import Wind, WindField, height_factor
@@ -45,7 +46,7 @@ class Model:
         *,
         wood: Wood | None = None,
         foliage: Foliage = "leaf",
-        target_tets: int = 5500,
+        target_tets: int = USUAL_TETS,
         settings: FemSettings | None = None,
         cache_dir: Path | None = None,
     ) -> None:

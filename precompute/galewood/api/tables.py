@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import Field
 
 from galewood.api.cache import default_cache_dir
+from galewood.api.keywords import with_keywords_of
 from galewood.api.trees import Tree
 from galewood.mesh import read_glb
-from galewood.options import BuildRequest
-from galewood.pipeline import Progress, bare_path, build_options, build_tree
+from galewood.pipeline import BuildOptions, Progress, bare_path, build_tree
 from galewood.table import Foliage, Table, decode
 from galewood.util import Floats, Ints, write_whole
 
@@ -92,38 +93,47 @@ class MotionTable:
             write_whole(path.with_suffix(".glb"), self.render_glb)
 
 
-def build(
-    tree: Tree,
-    *,
-    on_progress: Callable[[Progress], None] | None = None,
-    cache_dir: Path | None = None,
-    reference_frames: int = 0,
-    **options: Any,
-) -> MotionTable:
+class BuildCall(BuildOptions):
+    """Everything that can be chosen about a build in a program."""
+
+    reference_frames: int = Field(
+        default=0,
+        ge=0,
+        description="Frames of a run that is compared with the quadratic reference elements; 0: none.",
+    )
+    on_progress: Callable[[Progress], None] | None = Field(
+        default=None,
+        description="Receives ``Progress(stage, fraction, message)``; whatever it raises stops the build.",
+    )
+    cache_dir: Path | None = Field(
+        default=None,
+        description="Folder for meshes and training runs; default: the user's cache folder. A build that was "
+        "stopped continues from there.",
+    )
+
+
+@with_keywords_of(BuildCall)
+def build(tree: Tree, options: BuildCall) -> MotionTable:
     """Simulate a tree and build its motion table: a minute or two of processor time.
 
     Args:
         tree: The tree (``galewood.read``).
-        on_progress: Receives ``Progress(stage, fraction, message)``; whatever it raises stops the build.
-        cache_dir: Folder for meshes and training runs; by default the user's cache folder. A build that was
-            stopped continues from there.
-        reference_frames: Frames of a run that is compared with the quadratic reference elements.
-        **options: The fields of ``galewood.BuildRequest``, such as ``design_speed_m_s``, ``modes``, ``seed``.
+        options: The fields of ``galewood.BuildRequest`` as keywords, such as ``design_speed_m_s``, ``modes``
+            and ``seed``; also ``on_progress``, which receives ``Progress(stage, fraction, message)`` and may
+            stop the build by raising; ``cache_dir``, the folder for meshes and training runs, from which a
+            build that was stopped continues; and ``reference_frames``, the length of a run that is compared
+            with the quadratic reference elements.
 
     Raises:
         MeshError: The wood cannot be meshed.
         pydantic.ValidationError: An option is unknown or out of range.
     """
-    from dataclasses import replace
-
-    request = BuildRequest.model_validate(options)
-    chosen = replace(build_options(request), reference_frames=reference_frames)
     result = build_tree(
         tree.mesh,
         tree.render_glb,
-        chosen,
-        on_progress or (lambda progress: None),
-        cache_dir or default_cache_dir(),
+        options,
+        options.on_progress or (lambda progress: None),
+        options.cache_dir or default_cache_dir(),
     )
     bare = MotionTable(result.bare_table, result.render_glb) if result.bare_table else None
     return MotionTable(result.whole_table(), result.render_glb, result.report, bare)

@@ -6,10 +6,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+from galewood.api.keywords import with_keywords_of
 from galewood.mesh import TreeMesh, import_mesh_sandboxed, mesh_with_companions
-from galewood.options import ImportRequest, import_options
+from galewood.options import ImportRequest
 from galewood.util import Floats, Ints
 
 
@@ -50,21 +51,8 @@ class Tree:
         return self.mesh.wood_faces
 
 
-def read(
-    path: str | Path,
-    *,
-    species: str | None = None,
-    height_m: float | None = None,
-    up_axis: Literal["x", "y", "z", "-x", "-y", "-z"] | None = None,
-    wood_materials: list[str] | None = None,
-    leaves: list[str] | None = None,
-    drop: list[str] | None = None,
-    tree: int | None = None,
-    dbh_cm: float | None = None,
-    min_radius_mm: float | None = None,
-    bare: bool = False,
-    complete: bool | None = None,
-) -> Tree:
+@with_keywords_of(ImportRequest)
+def read(path: str | Path, options: ImportRequest) -> Tree:
     """Read a tree from a mesh file or a scan (MAT, CSV), in a sandboxed child process.
 
     Meshes: GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS, or a ZIP archive of one of them with its textures. Files
@@ -72,39 +60,13 @@ def read(
 
     Args:
         path: The mesh file, or the cylinders of a scanned tree.
-        species: Wood species (``galewood.SPECIES``); by default guessed from the names in the file.
-        height_m: Height of the tree; by default the file's unit is guessed.
-        up_axis: Axis that points up; by default guessed from the shape.
-        wood_materials: What is wood: names of materials, nodes or meshes (all others are then leaves), or ids
-            of pieces from ``report["pieces"]``.
-        leaves: What is leaves: names, or ids of pieces.
-        drop: What is left out: names, or ids of pieces.
-        tree: Which tree of a file with several, from 1; by default the largest.
-        dbh_cm: Scanned tree: scale all radii to this diameter of the trunk at 1.3 m.
-        min_radius_mm: Scanned tree: drop branches thinner than this; by default 10 mm, or what leaves 200.
-        bare: Scanned tree: add no leaves.
-        complete: Whether wood is added where foliage has none, such as a trunk inside a closed crown; it
-            bends, but is not drawn. By default where the foliage needs it.
+        options: The fields of ``galewood.ImportRequest`` as keywords, such as ``height_m=12``.
 
     Raises:
         MeshError: The file cannot be read or is not a tree; the error says what to do.
         OSError: The file cannot be opened.
-        pydantic.ValidationError: An option is out of range.
+        pydantic.ValidationError: An option is unknown or out of range.
     """
-    request = ImportRequest(
-        species=species,
-        height_m=height_m,
-        up_axis=up_axis,
-        wood_materials=wood_materials,
-        leaves=leaves,
-        drop=drop,
-        tree=tree,
-        dbh_cm=dbh_cm,
-        min_radius_mm=min_radius_mm,
-        bare=bare,
-        complete=complete,
-    )
     path = Path(path)
-    data = mesh_with_companions(path)
-    mesh, render_glb = import_mesh_sandboxed(data, path.name, import_options(request))
+    mesh, render_glb = import_mesh_sandboxed(mesh_with_companions(path), path.name, options)
     return Tree(mesh, render_glb)

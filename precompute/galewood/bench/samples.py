@@ -59,7 +59,7 @@ def bench_samples(
 
 def prepared(mesh: Path, options: BuildOptions, cache_dir: Path) -> tuple[FemModel, FemModel, Any]:
     """A tree's model with fast elements, that with quadratic elements, and the vertices to record (k,)."""
-    tree, _ = import_mesh_sandboxed(mesh.read_bytes(), mesh.name, options.mesh_import)
+    tree, _ = import_mesh_sandboxed(mesh.read_bytes(), mesh.name, options)
     made = tree_model(tree, None, options.target_tets, cache_dir, options.fem)
     points = np.unique(made.tets.tets[sampled_elements(made.tets, made.skeleton, options.sampled_elements)])
     reference = reference_model(made.tets, made.skeleton, made.wood, made.lumped, options.fem)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 import zlib
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -89,7 +88,9 @@ def bench_search(
     for k, count in enumerate(ELEMENTS):
         with PeakMemory() as memory:
             result = build_table(
-                mesh.read_bytes(), mesh.name, replace(options, sampled_elements=count, frames=frames),
+                mesh.read_bytes(),
+                mesh.name,
+                options.model_copy(update={"sampled_elements": count, "frames": frames}),
                 progress=_reporter(
                     lambda f, m, k=k: on_progress((k + f) / len(ELEMENTS), m), f"{count} elements: "
                 ),

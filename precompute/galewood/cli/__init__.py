@@ -1,6 +1,25 @@
 """The `galewood` command line."""
 
 from galewood.cli.commands import app
-from galewood.cli.tools import JsonOut, console, progress_bar, progress_reporter, write_figures
+from galewood.cli.request_options import Mesh, validated, with_options_of
+from galewood.cli.tools import (
+    JsonOut,
+    console,
+    print_report,
+    progress_bar,
+    progress_reporter,
+    write_figures,
+)
 
-__all__ = ["JsonOut", "app", "console", "progress_bar", "progress_reporter", "write_figures"]
+__all__ = [
+    "JsonOut",
+    "Mesh",
+    "app",
+    "console",
+    "print_report",
+    "progress_bar",
+    "progress_reporter",
+    "validated",
+    "with_options_of",
+    "write_figures",
+]

@@ -1,14 +1,13 @@
-"""`galewood build`: its options follow from the fields of ``galewood.options.BuildRequest``."""
+"""`galewood build`: its options follow from the fields of ``galewood.pipeline.BuildOptions``."""
 
 from __future__ import annotations
 
-import inspect
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from galewood.cli.request_options import Mesh, named_parameter, request_parameters, validated
+from galewood.cli.request_options import Mesh, WoodFile, validated, with_options_of, wood_document
 from galewood.cli.tools import (
     CacheDir,
     JsonOut,
@@ -18,39 +17,16 @@ from galewood.cli.tools import (
     progress_reporter,
     write_figures,
 )
-from galewood.options import BuildRequest
+from galewood.pipeline import BuildOptions
 
 if TYPE_CHECKING:
     from galewood.util import MeshError
 
 Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
-WoodFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--wood-constants",
-        exists=True,
-        dir_okay=False,
-        help="Constants of a wood of your own (docs/physics.md); `--wood FILE.json` is also accepted.",
-    ),
-]
-Reference = Annotated[
-    bool,
-    typer.Option("--reference", help="Use the quadratic reference elements: about ten times as slow."),
-]
-ReferenceFrames = Annotated[
-    int,
-    typer.Option(
-        "--reference-frames",
-        "--compared-frames",
-        min=0,
-        help="Frames of the run that is compared with the reference elements; 0: no comparison.",
-    ),
-]
 Artefacts = Annotated[
     Path | None,
     typer.Option(
         "--artefacts",
-        "--pictures",
         file_okay=False,
         help="Folder for the pictures and the preliminary tables, written as soon as they exist.",
     ),
@@ -66,32 +42,31 @@ AllTrees = Annotated[
 ]
 
 
+@with_options_of(BuildOptions, without=("wood",))
 def build(
-    mesh: Path,
-    out: Path,
-    all_trees: bool,
-    wood: Path | None,
-    reference: bool,
-    reference_frames: int,
-    artefacts: Path | None,
-    cache_dir: Path,
-    json_out: Path | None,
+    mesh: Mesh,
+    out: Out,
+    all_trees: AllTrees = False,
+    wood_constants: WoodFile = None,
+    artefacts: Artefacts = None,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
     **chosen: Any,
 ) -> None:
     """Simulate a tree mesh and write its motion table, and the mesh that the table moves."""
     from galewood.util import MeshError
 
-    request = _request(chosen, wood)
-    jobs = [(request, out, artefacts, json_out)]
+    options = validated(BuildOptions, {**chosen, "wood": wood_document(wood_constants)})
+    jobs = [(options, out, artefacts, json_out)]
     try:
         if all_trees:
-            jobs = _job_per_tree(mesh, request, out, artefacts, json_out)
+            jobs = _job_per_tree(mesh, options, out, artefacts, json_out)
     except MeshError as error:
         _fail(error)
     failed = 0
     for one, to, pictures, figures in jobs:
         try:
-            _build_one(mesh, one, to, reference, reference_frames, pictures, cache_dir, figures)
+            _build_one(mesh, one, to, pictures, cache_dir, figures)
         except MeshError as error:
             failed += 1
             _fail(error, stop=len(jobs) == 1)
@@ -107,13 +82,12 @@ def _fail(error: MeshError, stop: bool = True) -> None:
 
 
 def _job_per_tree(
-    mesh: Path, request: BuildRequest, out: Path, artefacts: Path | None, json_out: Path | None
-) -> list[tuple[BuildRequest, Path, Path | None, Path | None]]:
-    """For each tree of the file its request and its files. The unit is that of the first. MeshError."""
+    mesh: Path, options: BuildOptions, out: Path, artefacts: Path | None, json_out: Path | None
+) -> list[tuple[BuildOptions, Path, Path | None, Path | None]]:
+    """For each tree of the file its options and its files. The unit is that of the first. MeshError."""
     from galewood.mesh import import_mesh_sandboxed, mesh_with_companions
-    from galewood.options import import_options
 
-    first, _ = import_mesh_sandboxed(mesh_with_companions(mesh), mesh.name, import_options(request))
+    first, _ = import_mesh_sandboxed(mesh_with_companions(mesh), mesh.name, options)
     trees, unit = first.report["trees"], first.report["unit"]["value"]
     console.print(f"{len(trees)} trees in the file")
 
@@ -122,7 +96,7 @@ def _job_per_tree(
 
     return [
         (
-            request.model_copy(
+            options.model_copy(
                 update={"tree": t["number"]}
                 | ({"height_m": t["height_m"]} if unit in ("given", "unknown") else {})
             ),
@@ -136,22 +110,16 @@ def _job_per_tree(
 
 def _build_one(
     mesh: Path,
-    request: BuildRequest,
+    options: BuildOptions,
     out: Path,
-    reference: bool,
-    reference_frames: int,
     artefacts: Path | None,
     cache_dir: Path,
     json_out: Path | None,
 ) -> None:
     """Build one tree. MeshError."""
-    from dataclasses import replace
-
-    from galewood.fem import FemSettings
     from galewood.mesh import TreeMesh, mesh_with_companions
     from galewood.pipeline import (
         bare_path,
-        build_options,
         build_table,
         drawn_words,
         expected_motion,
@@ -160,15 +128,8 @@ def _build_one(
         tree_lines,
     )
 
-    options = build_options(request)
-    options = replace(
-        options,
-        reference_frames=reference_frames,
-        fem=FemSettings(element="quadratic" if reference else "fitted"),
-    )
-
     def tell(tree: TreeMesh) -> None:
-        for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.wood))]:
+        for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.own_wood))]:
             console.print(line, highlight=False, markup=False)
         for warning in tree.report["warnings"]:
             console.print(f"[yellow]Warning:[/yellow] {warning}")
@@ -205,40 +166,6 @@ def _build_one(
         console.print(f"{bare_path(out)}: the same tree without its leaves")
 
 
-def _request(chosen: dict[str, Any], wood: Path | None) -> BuildRequest:
-    """The validated options; prints what is wrong, field by field, and exits."""
-    from galewood.wood import WoodError, read_wood_document
-
-    # --wood once named a file with constants only
-    names: list[str] = chosen.get("wood_materials") or []
-    files = [name for name in names if name.endswith(".json") and Path(name).is_file()]
-    if files and wood is None:
-        wood = Path(files[0])
-        chosen = {**chosen, "wood_materials": [name for name in names if name not in files]}
-    if wood is None:
-        return validated(BuildRequest, chosen)
-    try:
-        return validated(BuildRequest, {**chosen, "wood": read_wood_document(wood.read_bytes())})
-    except WoodError as error:
-        problems = [f"{name}: {what}" for name, what in error.problems]
-        console.print(f"[red]{wood} does not describe a wood.[/red]", *problems)
-    raise typer.Exit(1)
-
-
 def register(app: typer.Typer) -> None:
-    """Add the command to the program; typer reads its options from the signature made here."""
-    parameters = [
-        named_parameter("mesh", Mesh),
-        named_parameter("out", Out),
-        named_parameter("all_trees", AllTrees, False),
-        *request_parameters(BuildRequest, without=("wood",)),
-        named_parameter("wood", WoodFile, None),
-        named_parameter("reference", Reference, False),
-        named_parameter("reference_frames", ReferenceFrames, 60),
-        named_parameter("artefacts", Artefacts, None),
-        named_parameter("cache_dir", CacheDir, Path("data/cache")),
-        named_parameter("json_out", JsonOut, None),
-    ]
-    build.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    build.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    """Add the command to the program."""
     app.command()(build)

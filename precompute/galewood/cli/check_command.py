@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import inspect
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from galewood.cli.request_options import Mesh, named_parameter, request_parameters, validated
+from galewood.cli.request_options import Mesh, validated, with_options_of
 from galewood.cli.tools import JsonOut, console, write_figures
 from galewood.options import ImportRequest
 
@@ -26,18 +25,20 @@ Strict = Annotated[
 PREVIEW_PX = 768
 
 
-def check(mesh: Path, preview: Path | None, strict: bool, json_out: Path | None, **chosen: Any) -> None:
+@with_options_of(ImportRequest)
+def check(
+    mesh: Mesh, preview: Preview = None, strict: Strict = False, json_out: JsonOut = None, **chosen: Any
+) -> None:
     """Read a tree mesh and tell its parts, assumptions, warnings, first frequency and expected sway.
 
     Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings (only with --strict).
     """
     from galewood.mesh import import_mesh_sandboxed, mesh_with_companions
-    from galewood.options import import_options
     from galewood.pictures import draw_limited
     from galewood.pipeline import EXPECTED_MOTION, import_lines, motion_lines
     from galewood.util import MeshError
 
-    options = import_options(validated(ImportRequest, chosen))
+    options = validated(ImportRequest, chosen)
     data = mesh_with_companions(mesh)
     try:
         tree, glb = import_mesh_sandboxed(data, mesh.name, options, then=EXPECTED_MOTION)
@@ -59,13 +60,4 @@ def check(mesh: Path, preview: Path | None, strict: bool, json_out: Path | None,
 
 def register(app: typer.Typer) -> None:
     """Add the command to the program."""
-    parameters = [
-        named_parameter("mesh", Mesh),
-        *request_parameters(ImportRequest),
-        named_parameter("preview", Preview, None),
-        named_parameter("strict", Strict, False),
-        named_parameter("json_out", JsonOut, None),
-    ]
-    check.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    check.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     app.command()(check)

@@ -3,32 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from galewood.cli.request_options import WoodFile, validated, with_options_of, wood_document
 from galewood.cli.tools import CacheDir, JsonOut, console, progress_bar, progress_reporter, write_figures
+from galewood.options import BuildRequest
 
-if TYPE_CHECKING:  # loaded only when a command runs
-    from galewood.wood import Wood
-
-WoodFile = Annotated[
-    Path | None,
-    typer.Option(exists=True, dir_okay=False, help="Wood properties (JSON) of trees without a species."),
-]
-MinRadius = Annotated[
-    float | None, typer.Option(min=0, max=500, help="Scanned trees: drop branches thinner than this, mm.")
-]
-TargetTets = Annotated[int, typer.Option(min=500, max=60_000, help="Tetrahedra to aim at.")]
-RootStiffness = Annotated[
-    float | None,
-    typer.Option(
-        min=0.001, max=1e9, help="Rotational stiffness of the root plates, kN·m/rad; default: rigid."
-    ),
-]
+OF_FIELD = ("min_radius_mm", "root_stiffness_knm", "target_tets")
+"""Options of a build that apply to every tree of a folder."""
+OF_RELEASE = ("species", "height_m", "foliage", *OF_FIELD)
 Sway = Annotated[float, typer.Option(min=0.001, max=0.3, help="Sway to pull to, share of the height.")]
 
 
+@with_options_of(BuildRequest, only=OF_FIELD)
 def field(
     folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="Folder of tree files.")],
     measurements: Annotated[
@@ -41,11 +30,9 @@ def field(
     jobs: Annotated[int, typer.Option(min=1, help="Trees to compute at the same time.")] = 1,
     damping: Annotated[bool, typer.Option(help="Pull and release every tree to find its damping.")] = True,
     sway: Sway = 0.03,
-    wood: WoodFile = None,
-    min_radius_mm: MinRadius = None,
-    root_stiffness_knm: RootStiffness = None,
-    target_tets: TargetTets = 5500,
+    wood_constants: WoodFile = None,
     cache_dir: CacheDir = Path("data/cache"),
+    **chosen: Any,
 ) -> None:
     """Compare a folder of trees with a table of their measured frequencies and damping."""
     from galewood.field import FieldError, FieldOptions, run_field
@@ -54,12 +41,9 @@ def field(
         measurements=measurements,
         output=output,
         jobs=jobs,
-        min_radius_mm=min_radius_mm,
-        wood=_wood(wood),
+        trees=validated(BuildRequest, {**chosen, "wood": wood_document(wood_constants)}),
         damping=damping,
         sway=sway,
-        target_tets=target_tets,
-        root_stiffness_nm_rad=_newtons(root_stiffness_knm),
         cache_dir=cache_dir,
     )
     try:
@@ -90,43 +74,27 @@ def _print_report(report: dict[str, Any], output: Path) -> None:
     console.print(f"{output / 'report.html'}: {len(report['trees'])} trees")
 
 
+@with_options_of(BuildRequest, only=OF_RELEASE)
 def release(
     tree: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Tree mesh or scan.")],
-    species: Annotated[
-        str | None, typer.Option(help="Wood species; default: guessed from the names.")
-    ] = None,
-    height_m: Annotated[float | None, typer.Option(min=0.1, max=150, help="Height of the tree, m.")] = None,
-    bare: Annotated[bool, typer.Option("--bare", help="Without leaves.")] = False,
     sway: Sway = 0.03,
     cycles: Annotated[float, typer.Option(min=3, max=200, help="Periods to simulate.")] = 12.0,
-    wood: WoodFile = None,
-    min_radius_mm: MinRadius = None,
-    root_stiffness_knm: RootStiffness = None,
-    target_tets: TargetTets = 5500,
+    wood_constants: WoodFile = None,
     plot: Annotated[Path | None, typer.Option(help="Plot of the decay to write (PNG, SVG, PDF).")] = None,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
+    **chosen: Any,
 ) -> None:
     """Pull a tree at two thirds of its height, release it, and report its frequency and damping."""
-    from galewood.fem import FemSettings
     from galewood.field import decay_figure, pull_and_release, tree_of_file
-    from galewood.options import ImportRequest
     from galewood.util import MeshError
 
+    options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_constants)})
     try:
-        request = ImportRequest(species=species, height_m=height_m, min_radius_mm=min_radius_mm)
         with progress_bar() as bar:
             report = progress_reporter(bar)
             report(0.0, "Building the model")
-            found = tree_of_file(
-                tree,
-                request,
-                season="bare" if bare else "leaf",
-                wood=_wood(wood),
-                target_tets=target_tets,
-                cache_dir=cache_dir,
-                settings=FemSettings(root_stiffness_nm_rad=_newtons(root_stiffness_knm)),
-            )
+            found = tree_of_file(tree, options, cache_dir)
             result = pull_and_release(
                 found.fem, sway=sway, cycles=cycles, on_progress=lambda share: report(share, "Free decay")
             )
@@ -135,28 +103,11 @@ def release(
         raise typer.Exit(1) from None
     if plot is not None:
         plot.parent.mkdir(parents=True, exist_ok=True)
-        title = f"{tree.stem}, {'bare' if bare else 'in leaf'}"
+        title = f"{tree.stem}, {'bare' if options.foliage == 'bare' else 'in leaf'}"
         decay_figure(result, title).savefig(plot, dpi=110)
     figures = result.figures()
     write_figures(json_out, figures)
     console.print_json(data={name: value for name, value in figures.items() if name != "by_cycle"})
-
-
-def _wood(path: Path | None) -> Wood | None:
-    """The wood of a JSON document; prints what is wrong with it and exits."""
-    from galewood.wood import WoodError, read_wood_document
-
-    if path is None:
-        return None
-    try:
-        return read_wood_document(path.read_bytes()).wood()
-    except WoodError as error:
-        console.print(f"[red]{path} does not describe a wood.[/red] {error}")
-        raise typer.Exit(1) from None
-
-
-def _newtons(kilonewtons: float | None) -> float | None:
-    return None if kilonewtons is None else 1000 * kilonewtons
 
 
 def register(app: typer.Typer) -> None:

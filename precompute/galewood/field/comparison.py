@@ -9,11 +9,10 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import as_completed
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from galewood.fem import FemSettings
 from galewood.field.measurements import FieldError, Measurement, is_table, read_measurements
 from galewood.field.page import html_page
 from galewood.field.plots import scatter_figure
@@ -21,9 +20,8 @@ from galewood.field.release import pull_and_release
 from galewood.field.simulated import tree_of_file
 from galewood.field.summary import summarised
 from galewood.field.sway_mode import main_sway_mode
-from galewood.options import ImportRequest
+from galewood.options import BuildRequest
 from galewood.util import Cancelled, MeshError, WorkerPool, write_whole
-from galewood.wood import Wood
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply", ".stl", ".mat", ".csv")
 OUTPUT = "field-report"
@@ -36,19 +34,17 @@ class FieldOptions:
     """Options of a comparison.
 
     ``measurements`` is the table, by default the only table of frequencies in the folder; ``output`` the
-    folder for the report, by default "field-report" in the folder of the trees. ``sway`` is the share of the
-    height to which each tree is pulled.
+    folder for the report, by default "field-report" in the folder of the trees. ``trees`` are the options of
+    every tree; the table overrides its species, height and foliage. ``sway`` is the share of the height to
+    which each tree is pulled.
     """
 
     measurements: Path | None = None
     output: Path | None = None
     jobs: int = 1
-    min_radius_mm: float | None = None
-    wood: Wood | None = None
+    trees: BuildRequest = field(default_factory=BuildRequest)
     damping: bool = True
     sway: float = 0.03
-    target_tets: int = 5500
-    root_stiffness_nm_rad: float | None = None
     cache_dir: Path = Path("data/cache")
 
 
@@ -146,20 +142,7 @@ def computed(task: Task) -> dict[str, Any]:
 def _modelled(task: Task) -> dict[str, Any]:
     options, row = task.options, task.row
     scan = task.path.suffix.lower() in SCANS
-    request = ImportRequest(
-        species=row.species,
-        height_m=None if scan else row.height_m,
-        min_radius_mm=options.min_radius_mm if scan else None,
-    )
-    tree = tree_of_file(
-        task.path,
-        request,
-        season=row.season,
-        wood=None if row.species else options.wood,
-        target_tets=options.target_tets,
-        cache_dir=options.cache_dir,
-        settings=FemSettings(root_stiffness_nm_rad=options.root_stiffness_nm_rad),
-    )
+    tree = tree_of_file(task.path, options_of(row, scan, options.trees), options.cache_dir)
     mode = main_sway_mode(tree.fem)
     found: dict[str, Any] = {
         "wood": tree.fem.report["wood"],
@@ -174,6 +157,18 @@ def _modelled(task: Task) -> dict[str, Any]:
         "warnings": tree.warnings,
     }
     return found | (_damping(tree.fem, options.sway) if options.damping else {})
+
+
+def options_of(row: Measurement, scan: bool, given: BuildRequest) -> BuildRequest:
+    """The options of one tree: the given ones, and what the table says of it."""
+    chosen: dict[str, Any] = given.model_dump(exclude_unset=True) | {
+        "species": row.species,
+        "height_m": None if scan else row.height_m,
+        "foliage": row.season,
+        "min_radius_mm": given.min_radius_mm if scan else None,
+        "wood": None if row.species else given.wood,
+    }
+    return BuildRequest.model_validate(chosen)
 
 
 def _damping(model: Any, sway: float) -> dict[str, Any]:
@@ -224,11 +219,11 @@ def _report(
     return {
         "table": table.name,
         "options": {
-            "min_radius_mm": options.min_radius_mm,
-            "wood": options.wood.name if options.wood else None,
+            "min_radius_mm": options.trees.min_radius_mm,
+            "wood": options.trees.wood.name if options.trees.wood else None,
             "sway": options.sway if options.damping else None,
-            "target_tets": options.target_tets,
-            "root_stiffness_nm_rad": options.root_stiffness_nm_rad,
+            "target_tets": options.trees.target_tets,
+            "root_stiffness_nm_rad": options.trees.root_stiffness_nm_rad,
         },
         "trees": finished,
         "failed": [tree for tree in trees if "error" in tree],

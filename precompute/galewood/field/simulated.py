@@ -8,12 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from galewood.fem import FemModel, FemSettings
-from galewood.field.measurements import Season
 from galewood.mesh import TreeMesh, import_mesh_sandboxed, mesh_with_companions
 from galewood.model import tree_model
-from galewood.options import ImportRequest, import_options
+from galewood.options import BuildRequest
 from galewood.util import Floats, Ints
-from galewood.wood import Wood
 
 BREAST_HEIGHT_M = 1.3
 
@@ -28,23 +26,12 @@ class SimulatedTree:
     warnings: list[str]
 
 
-def tree_of_file(
-    path: Path,
-    request: ImportRequest,
-    *,
-    season: Season = "leaf",
-    wood: Wood | None = None,
-    target_tets: int = 5500,
-    cache_dir: Path = Path("data/cache"),
-    settings: FemSettings | None = None,
-) -> SimulatedTree:
-    """The model of a mesh or scan. A bare tree is the same tree without its leaves.
-
-    ``wood`` overrides the species of the request. Raises MeshError.
-    """
-    mesh, _ = import_mesh_sandboxed(mesh_with_companions(path), path.name, import_options(request))
-    leaves = season == "leaf"
-    made = tree_model(mesh, wood, target_tets, cache_dir, settings or FemSettings(), leaves)
+def tree_of_file(path: Path, options: BuildRequest, cache_dir: Path = Path("data/cache")) -> SimulatedTree:
+    """The model of a mesh or scan. A bare tree is the same tree without its leaves. Raises MeshError."""
+    mesh, _ = import_mesh_sandboxed(mesh_with_companions(path), path.name, options)
+    settings = FemSettings(root_stiffness_nm_rad=options.root_stiffness_nm_rad)
+    leaves = options.foliage == "leaf"
+    made = tree_model(mesh, options.own_wood, options.target_tets, cache_dir, settings, leaves)
     warnings = list(mesh.report.get("warnings", []))
     if "warning" in made.fem.report["rest_pose"]:
         warnings.append(made.fem.report["rest_pose"]["warning"])

@@ -6,7 +6,7 @@ The types are cheap to import; all other names are loaded when they are first us
 
 from typing import TYPE_CHECKING
 
-from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.mesh.types import KINDS, Material, RawPart, RenderPrimitive, TreeMesh
 from galewood.util import lazily
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         compact,
         face_components,
         signed_volumes,
+        unique_edges,
         volume,
         weld_keeping_faces,
     )
@@ -37,13 +38,14 @@ __getattr__ = lazily(
         "compact": "galewood.mesh.repair",
         "face_components": "galewood.mesh.repair",
         "signed_volumes": "galewood.mesh.repair",
+        "unique_edges": "galewood.mesh.repair",
         "volume": "galewood.mesh.repair",
         "import_mesh_sandboxed": "galewood.mesh.sandboxed",
         "pieces_sandboxed": "galewood.mesh.sandboxed",
     },
 )
 __all__ = [
-    "ImportOptions",
+    "KINDS",
     "Material",
     "RawPart",
     "RenderPrimitive",
@@ -59,6 +61,7 @@ __all__ = [
     "pieces_sandboxed",
     "read_glb",
     "signed_volumes",
+    "unique_edges",
     "volume",
     "weld_keeping_faces",
 ]

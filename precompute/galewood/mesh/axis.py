@@ -9,7 +9,7 @@ import numpy as np
 from galewood.mesh import upright
 from galewood.mesh.piece_evidence import own_evidence
 from galewood.mesh.pieces import Pieces
-from galewood.mesh.types import Axis, ImportOptions
+from galewood.options import Axis, ImportRequest
 from galewood.util import Floats, Ints
 
 SAMPLES = 20_000
@@ -69,7 +69,7 @@ def signed(axis: str) -> str:
 
 
 def choose_up_axis(
-    vertices: Floats, faces: Ints, pieces: Pieces, file_format: str, options: ImportOptions
+    vertices: Floats, faces: Ints, pieces: Pieces, file_format: str, options: ImportRequest
 ) -> Choice:
     """The up axis: the given one, else the one that most indicators favour.
 

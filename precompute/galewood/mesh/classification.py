@@ -20,7 +20,8 @@ from galewood.mesh.piece_names import named_kind, own_kind
 from galewood.mesh.pieces import Pieces, find_pieces
 from galewood.mesh.repair import Surface, weld
 from galewood.mesh.separate_trees import FoundTree, find_trees
-from galewood.mesh.types import KINDS, ImportOptions, Kind, RawPart
+from galewood.mesh.types import KINDS, Kind, RawPart
+from galewood.options import ImportRequest
 from galewood.util import Floats, Ints, MeshError
 
 FOLLOWED = 8.0  # weight of a name that the evidence does not contradict
@@ -57,7 +58,7 @@ class Classification:
 
 
 def classify(
-    parts: list[RawPart], options: ImportOptions, as_named: bool = False, pieces: Pieces | None = None
+    parts: list[RawPart], options: ImportRequest, as_named: bool = False, pieces: Pieces | None = None
 ) -> Classification:
     """Classify all pieces of a file (y up, any unit).
 
@@ -194,7 +195,7 @@ def _with_wood(found: _Found, evidence: Evidence) -> _Found:
     return replace(found, kind=kind, reason=reason, sure=sure, warnings=list(dict.fromkeys(warnings)))
 
 
-def _chosen(found: _Found, parts: list[RawPart], options: ImportOptions) -> Classification:
+def _chosen(found: _Found, parts: list[RawPart], options: ImportRequest) -> Classification:
     """The classification with the user's choices applied."""
     number = options.tree or 1
     if number > len(found.trees):

@@ -22,7 +22,8 @@ from galewood.mesh.limits import MAX_BYTES
 from galewood.mesh.obj import read_obj
 from galewood.mesh.ply import read_ply
 from galewood.mesh.stl import is_binary_stl, read_stl
-from galewood.mesh.types import ImportOptions, RawPart
+from galewood.mesh.types import RawPart
+from galewood.options import ImportRequest
 from galewood.util import MeshError
 
 ZIP = b"PK\x03\x04"
@@ -42,7 +43,7 @@ class FileContent:
     warnings: list[str] = field(default_factory=list[str])
 
 
-def read_parts(data: bytes, filename: str, options: ImportOptions) -> FileContent:
+def read_parts(data: bytes, filename: str, options: ImportRequest) -> FileContent:
     """The format and the parts of a file, or of the only model in a ZIP archive.
 
     Raises MeshError with reason "malformed", "too-large", "unsuitable" or "unsupported".
@@ -74,7 +75,7 @@ def check_size(data: bytes) -> None:
         )
 
 
-def _read_model(data: bytes, filename: str, options: ImportOptions, source: Source) -> FileContent:
+def _read_model(data: bytes, filename: str, options: ImportRequest, source: Source) -> FileContent:
     """The content; whatever fails unexpectedly while bytes of unknown origin are parsed is their fault."""
     kind = detect_format(data, filename)
     try:
@@ -85,7 +86,7 @@ def _read_model(data: bytes, filename: str, options: ImportOptions, source: Sour
         raise _damaged(kind, error) from error
 
 
-def _content(data: bytes, kind: str, options: ImportOptions, source: Source) -> FileContent:
+def _content(data: bytes, kind: str, options: ImportRequest, source: Source) -> FileContent:
     if kind == "treeqsm" or kind == "csv":
         scanned = qsm.read_qsm(data, kind, options)
         return FileContent(kind, scanned.parts, scanned.report, source.warnings + scanned.warnings)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from galewood.mesh.axis import ROTATIONS, Choice, choose_up_axis, signed, to_y_up
+from galewood.mesh.axis import Choice, choose_up_axis, signed, to_y_up
 from galewood.mesh.classification import Classification, ClassifiedPart, classify, welded_wood, without_strays
 from galewood.mesh.formats import FileContent, read_parts
 from galewood.mesh.joined_parts import joined_parts
@@ -24,12 +24,12 @@ from galewood.mesh.repair import Surface
 from galewood.mesh.scan_ground import without_ground
 from galewood.mesh.species_names import guess_species
 from galewood.mesh.surface import solid_wood
-from galewood.mesh.types import KINDS, ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.mesh.types import KINDS, Material, RawPart, RenderPrimitive, TreeMesh
 from galewood.mesh.unit import choose_scale
+from galewood.options import ImportRequest
 from galewood.util import Floats, Ints, MeshError, shown_text
 
 __all__ = [
-    "ImportOptions",
     "Material",
     "MeshError",
     "RenderPrimitive",
@@ -38,19 +38,17 @@ __all__ = [
     "render_glb",
 ]  # fmt: skip
 
-MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 BASE_SLAB = 0.02
 SHORT_WOOD = 0.62  # of the height: above it, a crown has too little wood to bend
 QSM_UNIT = Choice("m", "cylinder models are in metres", assumed=False)
 
 
-def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) -> TreeMesh:
+def read_tree(data: bytes, filename: str, options: ImportRequest | None = None) -> TreeMesh:
     """Read a tree from the bytes of a file. Raises MeshError.
 
     `filename` only distinguishes formats without a signature and suggests the species; no file is opened.
     """
-    options = options or ImportOptions()
-    check_options(options)
+    options = options or ImportRequest()
     content = read_parts(data, filename, options)
     file_format = content.file_format
     parts, up, classified = classify_content(content, options)
@@ -109,7 +107,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
 
 
 def classify_content(
-    content: FileContent, options: ImportOptions
+    content: FileContent, options: ImportRequest
 ) -> tuple[list[RawPart], Choice, Classification]:
     """The usable parts of a file turned y up, the up axis, and the classification of all pieces."""
     parts = joined_parts(_usable(content.parts))
@@ -122,22 +120,6 @@ def classify_content(
     turned = pieces.turned(rotation)
     turned = turned if content.qsm else without_ground(parts, turned)
     return parts, up, classify(parts, options, content.qsm is not None, turned)
-
-
-def check_options(options: ImportOptions) -> None:
-    """Raise MeshError if an option is out of range."""
-    height_m = options.height_m
-    if height_m is not None and not MIN_HEIGHT_M <= height_m <= MAX_HEIGHT_M:
-        raise MeshError(
-            "bad-height",
-            "unsuitable",
-            f"A height of {height_m:g} m is not plausible for a tree.",
-            f"Enter a height from {MIN_HEIGHT_M} to {MAX_HEIGHT_M} m.",
-        )
-    if options.up_axis is not None and options.up_axis not in ROTATIONS:
-        raise MeshError(
-            "bad-axis", "unsuitable", f"Unknown axis {options.up_axis!r}.", "Use x, y, z, -x, -y or -z."
-        )
 
 
 def _usable(parts: list[RawPart]) -> list[RawPart]:
@@ -215,8 +197,8 @@ def _completed(
     return complete_wood(Surface((wood.vertices - origin) * scale, wood.faces), leaves, asked)
 
 
-def _check_wood(pieces: list[ClassifiedPart], groups: list[Group], options: ImportOptions) -> None:
-    free = options.complete is not False and options.wood is None
+def _check_wood(pieces: list[ClassifiedPart], groups: list[Group], options: ImportRequest) -> None:
+    free = options.complete is not False and options.wood_materials is None
     if any(s.kind == "wood" for s in pieces) or (pieces and free):
         return
     names = sorted({label for g in groups for label in g.labels})[:20] + [g.id for g in groups][:20]

@@ -12,7 +12,7 @@ import numpy as np
 
 from galewood.mesh.piece_groups import Group, GroupKind
 from galewood.mesh.pieces import Pieces
-from galewood.mesh.types import ImportOptions
+from galewood.options import ImportRequest
 from galewood.util import Ints
 
 RANGE = re.compile(r"(\d{1,9})\.(\d{1,9})-(\d{1,9})")
@@ -27,14 +27,14 @@ def ranges_of(part: int, numbers: Ints) -> list[str]:
     return [f"{part}.{a}-{b}" for a, b in zip(first.tolist(), last.tolist(), strict=True)]
 
 
-def painted_kinds(options: ImportOptions, pieces: Pieces, labels: set[str]) -> tuple[Ints, list[str]]:
+def painted_kinds(options: ImportRequest, pieces: Pieces, labels: set[str]) -> tuple[Ints, list[str]]:
     """For each piece the index in KINDS that was chosen for it alone, or −1; and ranges without such pieces.
 
     What is also the name of a part, in `labels`, is no range.
     """
     chosen = np.full(len(pieces), -1, dtype=np.int32)
     empty: list[str] = []
-    for kind, names in enumerate((options.wood, options.leaves, options.drop)):
+    for kind, names in enumerate((options.wood_materials, options.leaves, options.drop)):
         for name in names or ():
             found = RANGE.fullmatch(name)
             if found is None or name in labels:

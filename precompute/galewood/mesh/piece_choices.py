@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from galewood.mesh.painted import RANGE
 from galewood.mesh.piece_groups import Group, GroupKind
 from galewood.mesh.piece_names import named_kind
-from galewood.mesh.types import ImportOptions, RawPart
+from galewood.mesh.types import RawPart
+from galewood.options import ImportRequest
 from galewood.util import MeshError
 
 ID = re.compile(r"\d+\.\d+")
@@ -41,7 +42,7 @@ def _words(kind: GroupKind) -> str:
 
 
 def read_choices(
-    options: ImportOptions, parts: list[RawPart], groups: list[Group], empty: list[str]
+    options: ImportRequest, parts: list[RawPart], groups: list[Group], empty: list[str]
 ) -> Choices:
     """The choices of the options that mean whole groups or parts.
 
@@ -52,7 +53,7 @@ def read_choices(
     by_id: dict[str, GroupKind] = {}
     by_name: dict[str, GroupKind] = {}
     given: tuple[tuple[GroupKind, tuple[str, ...]], ...] = (
-        ("wood", options.wood or ()),
+        ("wood", options.wood_materials or ()),
         ("leaves", options.leaves or ()),
         ("other", options.drop or ()),
     )
@@ -76,7 +77,8 @@ def read_choices(
             f"The file has no part or piece {unknown[0][:80]!r}.",
             f"It has: {', '.join(known)}.",
         )
-    named = bool(options.wood) and any(
-        not (ID.fullmatch(name) or RANGE.fullmatch(name)) or name in labels for name in options.wood or ()
+    named = bool(options.wood_materials) and any(
+        not (ID.fullmatch(name) or RANGE.fullmatch(name)) or name in labels
+        for name in options.wood_materials or ()
     )
     return Choices(by_id, by_name, named)

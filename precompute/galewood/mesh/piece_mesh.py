@@ -9,22 +9,22 @@ import numpy as np
 
 from galewood.mesh.classification import Classification
 from galewood.mesh.formats import read_parts
-from galewood.mesh.importer import check_options, classify_content
+from galewood.mesh.importer import classify_content
 from galewood.mesh.render_mesh import GlbWriter
-from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitive
+from galewood.mesh.types import Material, RawPart, RenderPrimitive
+from galewood.options import ImportRequest
 from galewood.util import Ints
 
 CUT_OUT = 0.02  # parts of which less is cut out by alpha need no texture
 
 
-def pieces_glb(data: bytes, filename: str, options: ImportOptions | None = None) -> bytes:
+def pieces_glb(data: bytes, filename: str, options: ImportRequest | None = None) -> bytes:
     """The pieces of the chosen tree and of no tree, y up, in the file's unit. Raises MeshError.
 
     One primitive per part. The vertex attribute `_PIECE` is a row of `extras.pieces` of the document: equally
     long lists of the part, the number within the part, and the kind. No vertex belongs to two pieces.
     """
-    options = options or ImportOptions()
-    check_options(options)
+    options = options or ImportRequest()
     content = read_parts(data, filename, options)
     parts, _, found = classify_content(content, options)
     rows, listed = _rows(found)

@@ -5,7 +5,6 @@ MeshError.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from importlib import import_module
 from typing import Any
 
@@ -16,7 +15,8 @@ from galewood.mesh.gltf_material import pack_material, unpack_material
 from galewood.mesh.importer import read_tree, render_glb
 from galewood.mesh.limits import MAX_BYTES
 from galewood.mesh.piece_mesh import pieces_glb
-from galewood.mesh.types import ImportOptions, RenderPrimitive, TreeMesh
+from galewood.mesh.types import RenderPrimitive, TreeMesh
+from galewood.options import ImportRequest
 from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.util import MeshError
 
@@ -27,7 +27,7 @@ OPTIONAL_ROWS = ("normals", "uv", "colours")
 def import_mesh_sandboxed(
     data: bytes,
     filename: str,
-    options: ImportOptions | None = None,
+    options: ImportRequest | None = None,
     limits: Limits | None = None,
     then: str | None = None,
 ) -> tuple[TreeMesh, bytes]:
@@ -45,7 +45,7 @@ def import_mesh_sandboxed(
             f"The file is larger than {MAX_BYTES >> 20} MB.",
             "Reduce the number of faces.",
         )
-    request = {"filename": filename, "options": asdict(options or ImportOptions()), "then": then}
+    request = {"filename": filename, "options": _as_json(options), "then": then}
     result = run_limited(
         "galewood.mesh.sandboxed:read_in_child",
         {"data": to_bytes_array(data), "request": to_json_array(request)},
@@ -58,7 +58,7 @@ def import_mesh_sandboxed(
 def read_in_child(arguments: Arrays) -> Arrays:
     """The part of import_mesh_sandboxed that runs in the child."""
     request = from_json_array(arguments["request"])
-    options = _options_of(request["options"])
+    options = ImportRequest.model_validate(request["options"])
     tree = read_tree(arguments["data"].tobytes(), request["filename"], options)
     glb = render_glb(tree)
     if then := request.get("then"):
@@ -68,10 +68,10 @@ def read_in_child(arguments: Arrays) -> Arrays:
 
 
 def pieces_sandboxed(
-    data: bytes, filename: str, options: ImportOptions | None = None, limits: Limits | None = None
+    data: bytes, filename: str, options: ImportRequest | None = None, limits: Limits | None = None
 ) -> bytes:
     """Run pieces_glb in a child process: all pieces of a file that was imported before. Raises MeshError."""
-    request = {"filename": filename, "options": asdict(options or ImportOptions())}
+    request = {"filename": filename, "options": _as_json(options)}
     result = run_limited(
         "galewood.mesh.sandboxed:pieces_in_child",
         {"data": to_bytes_array(data), "request": to_json_array(request)},
@@ -84,16 +84,13 @@ def pieces_sandboxed(
 def pieces_in_child(arguments: Arrays) -> Arrays:
     """The part of pieces_sandboxed that runs in the child."""
     request = from_json_array(arguments["request"])
-    options = _options_of(request["options"])
+    options = ImportRequest.model_validate(request["options"])
     return {"glb": to_bytes_array(pieces_glb(arguments["data"].tobytes(), request["filename"], options))}
 
 
-def _options_of(chosen: dict[str, Any]) -> ImportOptions:
-    """The options as they were before they became JSON."""
-    lists: dict[str, Any] = {
-        name: tuple(chosen[name]) for name in ("wood", "leaves", "drop") if chosen[name] is not None
-    }
-    return ImportOptions(**(chosen | lists))
+def _as_json(options: ImportRequest | None) -> dict[str, Any]:
+    """The options of the import, also of a request that has further ones."""
+    return options.model_dump(include=set(ImportRequest.model_fields), exclude_none=True) if options else {}
 
 
 def pack_tree(tree: TreeMesh) -> Arrays:

@@ -10,38 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from galewood.util import Floats, Ints, shown_text
+from galewood.util import Floats, Ints
 
 Kind = Literal["wood", "twigs", "leaves"]
 """Wood is meshed. Twigs are wood too thin to be meshed: they are drawn, and hang on it with their mass."""
 KINDS: tuple[Kind, ...] = ("wood", "twigs", "leaves")  # in the order of the primitives
-Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
-
-
-@dataclass(frozen=True)
-class ImportOptions:
-    """Choices that the import otherwise makes itself; None leaves a choice to it."""
-
-    species: str | None = None
-    height_m: float | None = None
-    up_axis: Axis | None = None
-    wood: tuple[str, ...] | None = (
-        None  # names of materials, nodes or meshes, or ids of pieces, that are wood
-    )
-    dbh_cm: float | None = None  # of a scanned tree, like the fields below: diameter at breast height
-    min_radius_mm: float | None = None  # thinner branches are dropped
-    bare: bool = False  # no leaves are added
-    leaves: tuple[str, ...] | None = None  # names or ids of pieces that are leaves
-    drop: tuple[str, ...] | None = None  # names or ids of pieces that are left out
-    tree: int | None = None  # which tree of a file with several, from 1; None: the largest
-    complete: bool | None = None  # whether missing wood is added; None: where the foliage needs it
-
-    def __post_init__(self) -> None:
-        """Names are cleaned as those of the file are, so that they still mean the same parts."""
-        for field_name in ("wood", "leaves", "drop"):
-            names: tuple[str, ...] | None = getattr(self, field_name)
-            if names is not None:
-                object.__setattr__(self, field_name, tuple(map(shown_text, names)))
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from galewood.mesh.axis import Choice
-from galewood.mesh.types import ImportOptions
+from galewood.options import ImportRequest
 
 # plausible tree heights in each unit; the ranges do not overlap
 UNIT_BANDS: tuple[tuple[str, float, float, float], ...] = (
@@ -15,7 +15,7 @@ SPECIES_HEIGHT_M = {"poplar": 12.0, "maple": 10.0, "apricot": 5.0}
 DEFAULT_HEIGHT_M = 10.0
 
 
-def choose_scale(raw_height: float, species: str | None, options: ImportOptions) -> tuple[float, Choice]:
+def choose_scale(raw_height: float, species: str | None, options: ImportRequest) -> tuple[float, Choice]:
     """Metres per file unit, and the reason for the choice."""
     if options.height_m is not None:
         return options.height_m / raw_height, Choice(

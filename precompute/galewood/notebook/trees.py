@@ -9,9 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from galewood.api import MotionTable, Tree, load
-from galewood.options import BuildRequest
 from galewood.packaged import species_folder
-from galewood.pipeline import beam_table, build_options
+from galewood.pipeline import BuildOptions, beam_table
 from galewood.shipped import SHIPPED_FOLDER
 from galewood.table import encode
 
@@ -52,5 +51,4 @@ def _loaded(tree: str | Path, mesh: str | Path | None) -> MotionTable:
 
 def _estimated(tree: Tree) -> MotionTable:
     """The preliminary table that a build has after its first second."""
-    options = build_options(BuildRequest())
-    return MotionTable(beam_table(tree.mesh, options, tree.render_glb), tree.render_glb)
+    return MotionTable(beam_table(tree.mesh, BuildOptions(), tree.render_glb), tree.render_glb)

@@ -1,7 +1,31 @@
-"""Options of mesh import and build: one validated model for the command line and the REST interface."""
+"""Options of mesh import and build: one model from which every interface follows."""
 # pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
-from galewood.options.request import BuildRequest, ImportRequest, MaterialName, import_options
+from galewood.options.evaluation import EvaluationOptions
+from galewood.options.request import (
+    MAX_HEIGHT_M,
+    MAX_TETS,
+    MIN_HEIGHT_M,
+    MIN_TETS,
+    TRAINING_SEED,
+    USUAL_TETS,
+    Axis,
+    BuildRequest,
+    ImportRequest,
+    list_fields,
+)
 
-__all__ = ["BuildRequest", "ImportRequest", "MaterialName", "import_options"]
+__all__ = [
+    "MAX_HEIGHT_M",
+    "MAX_TETS",
+    "MIN_HEIGHT_M",
+    "MIN_TETS",
+    "TRAINING_SEED",
+    "USUAL_TETS",
+    "Axis",
+    "BuildRequest",
+    "EvaluationOptions",
+    "ImportRequest",
+    "list_fields",
+]

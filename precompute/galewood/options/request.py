@@ -1,45 +1,59 @@
-"""What a user may choose about a build: one model, from which the command line and the REST interface follow.
+"""What a user may choose about an import and a build: the only declaration of every option.
 
-Everything left out keeps its default; docs/building.md describes the options.
+Each field carries its type, its limits, its default and its description. The command line, the Python API,
+the REST interface with its forms, and the page's types follow from these models. docs/building.md explains
+the options.
 """
 # pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    field_validator,
+    model_validator,
+)
 
-from galewood.wood import SPECIES, WoodDocument
+from galewood.util import shown_text
+from galewood.wood import SPECIES, Wood, WoodDocument, wood_of_species
 
-if TYPE_CHECKING:  # the service validates requests without loading the mesh libraries
-    from galewood.mesh import ImportOptions
-
-MaterialName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
+Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
+PartName = Annotated[str, StringConstraints(min_length=1, max_length=200), AfterValidator(shown_text)]
+"""A name, cleaned as those of the file are, so that it still means the same part; or the id of a piece."""
+MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
+"""Heights of trees; the highest known one has 116 m."""
+MIN_TETS, USUAL_TETS, MAX_TETS = 500, 5500, 60_000
+TRAINING_SEED = 1
 
 
 class ImportRequest(BaseModel):
-    """What mesh import would otherwise have to assume; the tree's report says what it did assume."""
+    """Options of a mesh import. None leaves a choice to the import; its report says what it assumed."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     species: str | None = Field(default=None, description="Wood species; default: guessed from the names.")
-    height_m: float | None = Field(default=None, gt=0.1, le=150, description="Height of the tree, m.")
-    up_axis: Literal["x", "y", "z", "-x", "-y", "-z"] | None = Field(
-        default=None, description="Axis that points up; -z: z points down."
+    height_m: float | None = Field(
+        default=None, ge=MIN_HEIGHT_M, le=MAX_HEIGHT_M, description="Height of the tree, m."
     )
-    wood_materials: list[MaterialName] | None = Field(
+    up_axis: Axis | None = Field(default=None, description="Axis that points up; -z: z points down.")
+    wood_materials: list[PartName] | None = Field(
         default=None,
         min_length=1,
         max_length=4000,
         description="What is wood: names of materials, nodes or meshes, or ids of pieces. If a name is "
         "given, all parts that are not named are leaves; ids change only their own pieces.",
     )
-    leaves: list[MaterialName] | None = Field(
+    leaves: list[PartName] | None = Field(
         default=None, min_length=1, max_length=4000, description="What is leaves: names, or ids of pieces."
     )
-    drop: list[MaterialName] | None = Field(
+    drop: list[PartName] | None = Field(
         default=None,
         min_length=1,
         max_length=4000,
@@ -53,7 +67,7 @@ class ImportRequest(BaseModel):
     )
     dbh_cm: float | None = Field(
         default=None,
-        gt=0.5,
+        ge=0.5,
         le=1500,
         description="Scanned tree: scale all radii to this diameter of the trunk at 1.3 m, cm.",
     )
@@ -67,7 +81,6 @@ class ImportRequest(BaseModel):
         default=None,
         description="Scanned tree: add no leaves to the mesh; default: leaves at the ends of branches.",
     )
-
     complete: bool | None = Field(
         default=None,
         description="Whether wood is added where foliage has none: a trunk inside a closed crown, ribs of "
@@ -85,37 +98,36 @@ class ImportRequest(BaseModel):
 class BuildRequest(ImportRequest):
     """Everything that can be chosen about a build."""
 
-    target_tets: int | None = Field(default=None, ge=500, le=60_000, description="Tetrahedra to aim at.")
-    sampled_elements: int | None = Field(
-        default=None, ge=1, le=2000, description="Elements sampled for the paper's state search."
+    target_tets: int = Field(
+        default=USUAL_TETS, ge=MIN_TETS, le=MAX_TETS, description="Number of tetrahedra to aim at."
     )
-    design_speed_m_s: float | None = Field(
-        default=None, gt=0, le=60, description="Strongest wind of the training runs, m/s."
+    sampled_elements: int = Field(
+        default=35, ge=1, le=2000, description="Elements sampled for the paper's state search."
     )
-    frames: int | None = Field(
-        default=None, ge=2, le=1800, description="Frames of each of the paper's cosine winds."
+    design_speed_m_s: float = Field(
+        default=18.0, gt=0, le=60, description="Strongest wind of the runs for the paper's search, m/s."
     )
-    seed: int | None = Field(default=None, ge=0, lt=2**31, description="Seed of the training winds.")
+    frames: int = Field(default=180, ge=2, le=1800, description="Frames of each of the paper's cosine winds.")
+    seed: int = Field(default=TRAINING_SEED, ge=0, lt=2**31, description="Seed of the training winds.")
     modes: int | None = Field(
         default=None,
         ge=2,
         le=64,
         description="Oscillators of the modal model; default: 16, or 48 for a tree that bends far.",
     )
-    paper: bool | None = Field(
-        default=None, description="Whether to compute the records of the paper's method; default: yes."
+    paper: bool = Field(
+        default=True, description="Compute the records of the paper's method after the table."
     )
-    foliage: Literal["leaf", "bare"] | None = Field(
-        default=None,
-        description="Simulate the tree in leaf (default) or bare: the mesh keeps its leaves, which weigh "
-        "nothing and catch no wind.",
+    foliage: Literal["leaf", "bare"] = Field(
+        default="leaf",
+        description="Simulate the tree in leaf or bare: the mesh keeps its leaves, which weigh nothing and "
+        "catch no wind.",
     )
-    bare_table: bool | None = Field(
-        default=None,
-        description="Also compute a table of the same tree without its leaves, for the winter; default: no.",
+    bare_table: bool = Field(
+        default=False, description="Also compute a table of the same tree without its leaves, for the winter."
     )
-    all_cosine_winds: bool | None = Field(
-        default=None, description="Record all 36 cosine winds of the paper instead of 18; default: no."
+    all_cosine_winds: bool = Field(
+        default=False, description="Record all 36 cosine winds of the paper instead of 18."
     )
     root_stiffness_knm: float | None = Field(
         default=None,
@@ -147,22 +159,25 @@ class BuildRequest(ImportRequest):
             raise ValueError("give either first_frequency_hz or sway: both set the stiffness")
         return self
 
+    @property
+    def own_wood(self) -> Wood | None:
+        """The requested wood; None: that of the species."""
+        return self.wood.wood() if self.wood else None
 
-def import_options(request: ImportRequest) -> ImportOptions:
-    """The options of mesh import."""
-    from galewood.mesh import ImportOptions
+    def wood_of(self, species: str | None) -> Wood:
+        """The requested wood, else that of a species; None: an average one."""
+        return self.own_wood or wood_of_species(species or "default")
 
-    wood = tuple(request.wood_materials) if request.wood_materials else None
-    return ImportOptions(
-        request.species,
-        request.height_m,
-        request.up_axis,
-        wood,
-        request.dbh_cm,
-        request.min_radius_mm,
-        bool(request.bare),
-        tuple(request.leaves) if request.leaves else None,
-        tuple(request.drop) if request.drop else None,
-        request.tree,
-        request.complete,
+    @property
+    def root_stiffness_nm_rad(self) -> float | None:
+        """Rotational stiffness of the root plate, N·m/rad; None: rigid ground."""
+        return None if self.root_stiffness_knm is None else 1000 * self.root_stiffness_knm
+
+
+def list_fields(model: type[BaseModel]) -> frozenset[str]:
+    """The fields of a model that hold several values: given several times, or separated by commas."""
+    return frozenset(
+        name
+        for name, field in model.model_fields.items()
+        if list in {get_origin(kind) for kind in (field.annotation, *get_args(field.annotation))}
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from galewood.mesh import ImportOptions
+from galewood.options import USUAL_TETS
 from galewood.pipeline import BuildOptions, build_table
 from galewood.table import Table, decode, encode, without_gusts
 from galewood.util import write_whole
@@ -41,7 +41,7 @@ class Plan:
     meshes: dict[str, Path]
     cache_dir: Path
     height_m: float | None = None
-    target_tets: int = 5500
+    target_tets: int = USUAL_TETS
     record_frames: int = 180
     frames: int = 600
     elements: tuple[int, ...] = (35, 135, 235, 335, 435)
@@ -56,7 +56,8 @@ class Plan:
     def options(self, species: str) -> BuildOptions:
         """Build options of a species' table."""
         return BuildOptions(
-            mesh_import=ImportOptions(species=species, height_m=self.height_m),
+            species=species,
+            height_m=self.height_m,
             target_tets=self.target_tets,
             sampled_elements=self.elements[0],
             frames=self.record_frames,

@@ -11,7 +11,6 @@ from galewood.pipeline.options import (
     BuildResult,
     Progress,
     bare_path,
-    build_options,
 )
 from galewood.pipeline.table_settings import TableSettings
 from galewood.shipped import SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from galewood.pipeline.from_beams import beam_table
     from galewood.pipeline.kernel_compilation import compile_kernels
     from galewood.pipeline.report import render_mesh
-    from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship, ship_compliance
+    from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
     from galewood.pipeline.summary import import_lines
     from galewood.pipeline.tree_figures import tree_lines
 
@@ -51,7 +50,6 @@ __getattr__ = lazily(
         "builtin_meshes": "galewood.pipeline.shipping",
         "outdated": "galewood.pipeline.shipping",
         "ship": "galewood.pipeline.shipping",
-        "ship_compliance": "galewood.pipeline.shipping",
         "tree_lines": "galewood.pipeline.tree_figures",
     },
 )
@@ -70,7 +68,6 @@ __all__ = [
     "bare_path",
     "beam_table",
     "build_key",
-    "build_options",
     "build_table",
     "build_tree",
     "builtin_meshes",
@@ -85,7 +82,6 @@ __all__ = [
     "read_shipped",
     "render_mesh",
     "ship",
-    "ship_compliance",
     "tree_lines",
     "with_expected_motion",
     "write_shipped",

@@ -34,7 +34,7 @@ from galewood.skeleton import Skeleton, extract_skeleton, sampled_elements, with
 from galewood.table import Records, encode, encode_records
 from galewood.tets import TetMesh, kept_tetrahedra, tetrahedralise
 from galewood.util import Array, WorkerPool
-from galewood.wood import Wood, wood_of_species
+from galewood.wood import Wood
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during the import, so that compiled kernels load early."""
@@ -78,7 +78,7 @@ def build_table(
     on = Environment(Stages(progress), cache_dir, runner, publish, on_table)
     on.stages.enter("import")
     with _workers(runner) as pool:
-        tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
+        tree, render_glb = import_mesh_sandboxed(source, filename, options)
         if on_import:
             on_import(tree)
         return _build(tree, render_glb, options, on, pool)
@@ -102,7 +102,7 @@ def model_of(source: bytes, filename: str, options: BuildOptions, cache_dir: Pat
     The tetrahedra come from ``cache_dir`` if it has them; meshing again gives a slightly different model.
     """
     stages = Stages(lambda progress: None)
-    tree, _ = import_mesh_sandboxed(source, filename, options.mesh_import)
+    tree, _ = import_mesh_sandboxed(source, filename, options)
     with WorkerPool(1) as pool:
         solid = _solid(tree, options, Environment(stages, cache_dir), ArtefactPublisher(pool, None))
     return _model_of(solid, options)[0]
@@ -174,20 +174,6 @@ def _build(
     return replace(result, report=report(records, compared, stages) | more)
 
 
-def compliance_of_source(
-    source: bytes, filename: str, options: BuildOptions, cache_dir: Path
-) -> bytes | None:
-    """The compliance file of a tree mesh, as in a build, without simulating anything. Raises MeshError.
-
-    The tetrahedra should be in ``cache_dir``: meshing again gives a slightly different model.
-    """
-    tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
-    with WorkerPool(1) as pool:
-        on = Environment(Stages(lambda progress: None), cache_dir)
-        solid = _solid(tree, options, on, ArtefactPublisher(pool, None))
-    return _compliance(solid, _model_of(solid, options)[0], render_glb)
-
-
 def _compliance(solid: Solid, model: FemModel, render_glb: bytes) -> bytes | None:
     return compliance_file(model, solid.surface.binding, hashlib.sha256(render_glb).hexdigest())
 
@@ -195,7 +181,7 @@ def _compliance(solid: Solid, model: FemModel, render_glb: bytes) -> bytes | Non
 def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:
     """Mesh the wood, extract its skeleton and attach the foliage; publish pictures of both."""
     on.stages.enter("meshing")
-    wood = options.wood or wood_of_species(tree.species or "default")
+    wood = options.wood_of(tree.species)
     mesh = tetrahedralise(tree, options.target_tets, on.cache_dir / "tets")
     kept = kept_tetrahedra(tree, options.target_tets, on.cache_dir / "tets")
     artefacts.publish(kept.name, kept.read_bytes)
@@ -269,7 +255,7 @@ class BareTable:
 
 def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: Environment) -> BareTable:
     """Build the table of the same tree and the same vertices without its leaves."""
-    options = replace(builder.options, foliage="bare", paper=False)
+    options = builder.options.model_copy(update={"foliage": "bare", "paper": False})
     lumped = bind_foliage(solid.tree, solid.mesh, solid.wood, leaves=False)
     model = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)
     wind = design_wind(Simulator(model), options.design_speed_m_s, solid.tree.height_m, options.fem.dt_s)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from galewood.constants import STREAMLINED_EXPONENT
 from galewood.fem import rayleigh
 from galewood.mesh import TreeMesh
 from galewood.model import BeamModel, beam_model
@@ -14,8 +15,7 @@ from galewood.pipeline.stiffness import goal_of
 from galewood.reduction import Exposure, Oscillators, training_winds
 from galewood.sampling import MAX_SWAY_SHARE
 from galewood.table import encode
-from galewood.wind import STREAMLINED_EXPONENT, dynamic_pressure
-from galewood.wood import wood_of_species
+from galewood.wind import dynamic_pressure
 
 LEFT_OUT = [
     "the shape of the wood: its branches move as round beams",
@@ -30,7 +30,7 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
 
     Raises ValueError if the surface of the wood has no branches that beams could follow.
     """
-    wood = options.wood or wood_of_species(tree.species or "default")
+    wood = options.wood_of(tree.species)
     goal = goal_of(tree, wood, options)
     wood = wood if goal is None else wood.scaled(goal.factor)
     model = beam_model(tree, wood, leaves=options.foliage == "leaf")

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from galewood.mesh import ImportOptions
+from galewood.constants import WIND_MODELS
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import BuildOptions
 from galewood.player import WindDrivenTrees
 from galewood.sampling import SampleTask, run_task
 from galewood.table import Table, decode
 from galewood.util import Floats, compile_once
-from galewood.wind import MODELS, Wind, WindField
+from galewood.wind import Wind, WindField
 
 SIDES, RINGS = 10, 6
 LIMBS = (
@@ -28,7 +28,9 @@ LIMBS = (
     ((0.0, 2.5, 0.0), (-1.5, 4.9, 0.4), 0.09, 0.04),
 )
 OPTIONS = BuildOptions(
-    mesh_import=ImportOptions(species="maple", height_m=5.0, up_axis="y"),
+    species="maple",
+    height_m=5.0,
+    up_axis="y",
     target_tets=600,
     sampled_elements=4,
     frames=4,
@@ -109,7 +111,7 @@ def _play(table: Table) -> None:
     trees = [[0.0, 0.0, 0.0, 1.0], [10.0, 5.0, 1.0, 0.8]]
     for method in ("modal", "paper"):
         forest = WindDrivenTrees(table, trees, method)
-        for model in MODELS:
+        for model in WIND_MODELS:
             forest.step(WindField(Wind(model=model)), 1.0, 1 / 30)
 
 

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import Field
+
 from galewood.fem import FemSettings
-from galewood.mesh import ImportOptions
-from galewood.options import BuildRequest, ImportRequest, import_options
+from galewood.options import BuildRequest
 from galewood.pipeline.table_settings import TableSettings
-from galewood.sampling import SEED
-from galewood.table import Foliage, decode, encode
+from galewood.table import decode, encode
 from galewood.util import cpu_seconds
-from galewood.wood import Wood
 
 Stage = Literal["import", "meshing", "skeleton", "model", "sampling", "table", "records", "bare", "done"]
 
@@ -42,8 +41,6 @@ MESSAGES: dict[Stage, str] = {
     "bare": "Computing the table of the tree without its leaves",
     "done": "Done",
 }
-AFTER_TABLE: tuple[Stage, ...] = ("records", "bare")
-"""Stages after the complete table of the default method; each counts from 0 to 1 on its own."""
 FURTHER = "Computing additional training runs for large bending"
 """Message of the table stage while additional training runs are simulated."""
 
@@ -61,57 +58,35 @@ class Progress:
     message: str
 
 
-@dataclass(frozen=True)
-class BuildOptions:
-    """All inputs of a build besides the mesh.
+class BuildOptions(BuildRequest):
+    """All inputs of a build besides the mesh: a request, and what the service does not offer.
 
-    ``frames`` is the length of each of the paper's cosine winds, ``seed`` the seed of the training winds of
-    the modal model. With ``fem.element`` "quadratic" the table is built from the reference model itself.
+    With ``reference`` the table is built from the reference model itself.
     """
 
-    mesh_import: ImportOptions = field(default_factory=ImportOptions)
-    wood: Wood | None = None
-    """Wood of the tree; None: the wood of its species."""
-    first_frequency_hz: float | None = None
-    """First frequency to which the stiffness of the wood is scaled, Hz; None: as stiff as its wood."""
-    sway: float | None = None
-    """Share of the height by which a steady wind of 18 m/s bends the tree; sets the stiffness likewise."""
-    target_tets: int = 5500
-    sampled_elements: int = 35
-    design_speed_m_s: float = 18.0
-    frames: int = 180
-    seed: int = SEED
-    reference_frames: int = 60
-    """Frames of the run that compares the model with the quadratic reference model; 0: no comparison."""
-    paper: bool = True
-    """Whether the records of the paper's state search are computed after the default method's table."""
-    foliage: Foliage = "leaf"
-    """Whether the model bears its leaves; "bare": only the mass and the wind area of the wood."""
-    bare_table: bool = False
-    """Whether a tree with leaves also gets a table without them; no effect with ``foliage`` "bare"."""
-    all_cosine_winds: bool = False
-    """Whether the paper's records come from all its 36 cosine winds, not from 18 of them."""
-    fem: FemSettings = field(default_factory=FemSettings)
-    table: TableSettings = field(default_factory=TableSettings)
+    reference: bool = Field(
+        default=False, description="Use the quadratic reference elements: about ten times as slow."
+    )
+    reference_frames: int = Field(
+        default=60,
+        ge=0,
+        description="Frames of the run that is compared with the reference elements; 0: no comparison.",
+    )
+
+    @property
+    def fem(self) -> FemSettings:
+        """Settings of the finite elements."""
+        element = "quadratic" if self.reference else "fitted"
+        return FemSettings(element=element, root_stiffness_nm_rad=self.root_stiffness_nm_rad)
+
+    @property
+    def table(self) -> TableSettings:
+        """Parameters of the table."""
+        return TableSettings(modes=self.modes)
 
 
 EXPECTED_MOTION = "galewood.pipeline.expected:with_expected_motion"
 """What a sandboxed mesh import can add to its report: how the tree will move."""
-OF_PARTS = ("modes", "wood", "root_stiffness_knm")
-"""Fields of a request that belong to a part of the build options."""
-
-
-def build_options(request: BuildRequest) -> BuildOptions:
-    """Convert a request to build options; what the request omits keeps its default."""
-    given = request.model_dump(exclude_none=True, exclude={*OF_PARTS, *ImportRequest.model_fields})
-    root_knm = request.root_stiffness_knm
-    return BuildOptions(
-        mesh_import=import_options(request),
-        wood=request.wood.wood() if request.wood else None,
-        fem=FemSettings(root_stiffness_nm_rad=None if root_knm is None else 1000 * root_knm),
-        table=TableSettings(modes=request.modes),
-        **given,
-    )
 
 
 @dataclass(frozen=True)
@@ -163,7 +138,7 @@ class Stages:
     def report(self, fraction: float, message: str = "") -> None:
         """Report that ``fraction`` of the current stage is done. Raises what the callback raises."""
         stage = self._stage or "import"
-        if stage in AFTER_TABLE:
+        if stage in STAGES_AFTER_TABLE:
             self._progress(Progress(stage, min(max(fraction, 0.0), 1.0), message or MESSAGES[stage]))
             return
         order = list(SHARES)

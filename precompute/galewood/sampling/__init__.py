@@ -5,7 +5,6 @@ All names but the seed are loaded when they are first used.
 
 from typing import TYPE_CHECKING
 
-from galewood.sampling.seed import SEED
 from galewood.util import lazily
 
 if TYPE_CHECKING:
@@ -80,7 +79,6 @@ __all__ = [
     "FURTHER_WINDS",
     "GOLDEN_RAD",
     "MAX_SWAY_SHARE",
-    "SEED",
     "STRONGEST_M_S",
     "WINDS",
     "DesignWind",

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from galewood.options import TRAINING_SEED
 from galewood.sampling.recording import SampleWind
-from galewood.sampling.seed import SEED
 from galewood.util import Floats
 from galewood.wind import dynamic_pressure
 
@@ -73,7 +73,9 @@ class _Setting:
         return noise(self.rng, FRAMES, self.dt_s, beta)
 
 
-def training_shapes(first_hz: float, dt_s: float, *, seed: int = SEED, count: int = WINDS) -> list[WindShape]:
+def training_shapes(
+    first_hz: float, dt_s: float, *, seed: int = TRAINING_SEED, count: int = WINDS
+) -> list[WindShape]:
     """The first training winds of a tree with this first natural frequency.
 
     In groups of five: two of noise with a −5/3 spectrum, square waves near the first frequency, white noise,

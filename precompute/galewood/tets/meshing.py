@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from galewood.mesh import Surface, TreeMesh, volume
+from galewood.options import MAX_TETS, MIN_TETS, USUAL_TETS
 from galewood.sandbox import Limits, run_limited
 from galewood.tets.cache import cache_key, cached_path, load_cached, store_cached
 from galewood.tets.polish import polished
@@ -76,17 +77,17 @@ class Shell:
     decimated: Surface
 
 
-def tetrahedralise(tree: TreeMesh, target_tets: int = 5500, cache_dir: Path | None = None) -> TetMesh:
+def tetrahedralise(tree: TreeMesh, target_tets: int = USUAL_TETS, cache_dir: Path | None = None) -> TetMesh:
     """One connected solid of about `target_tets` tetrahedra. Raises MeshError if meshing fails.
 
     pytetwild is not deterministic, so each mesh is cached in `cache_dir` under the hash of its input.
     """
-    if not 500 <= target_tets <= 60_000:
+    if not MIN_TETS <= target_tets <= MAX_TETS:
         raise MeshError(
             "bad-target",
             "unsuitable",
             f"A target of {target_tets} tetrahedra is out of range.",
-            "Use 500 to 60,000.",
+            f"Use {MIN_TETS} to {MAX_TETS:,}.",
         )
     key = cache_key(tree.wood_vertices_m, tree.wood_faces, target_tets)
     cached = load_cached(cache_dir, key)

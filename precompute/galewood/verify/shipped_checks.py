@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from galewood.evaluation import Source, evaluate_table, source_of
-from galewood.options import BuildRequest
+from galewood.options import EvaluationOptions
 from galewood.pipeline import (
     SHIPPED_FOLDER,
+    BuildOptions,
     BuiltinMesh,
     ShippedTree,
-    build_options,
     build_table,
     builtin_meshes,
     read_shipped,
@@ -59,9 +59,9 @@ def of_tree(mesh: BuiltinMesh, shipped: ShippedTree) -> Iterator[Check]:
 
 
 def _built(mesh: BuiltinMesh, cache: Path) -> tuple[Table, Path]:
-    request = BuildRequest.model_validate({**mesh.options, "paper": False})
+    options = BuildOptions.model_validate({**mesh.options, "paper": False})
     source, name = mesh.path.read_bytes(), mesh.path.name
-    result = build_table(source, name, build_options(request), cache_dir=cache)
+    result = build_table(source, name, options, cache_dir=cache)
     glb = cache / f"{mesh.name}.glb"
     glb.write_bytes(result.render_glb)
     return decode(result.table), glb
@@ -84,5 +84,6 @@ def _errors(name: str, table: Table, rebuilt: Table, glb: Path, cache: Path) -> 
 
 
 def _largest_error(table: Table, source: Source, cache: Path) -> float:
-    found = evaluate_table(table, source, FRAMES, cache, lambda fraction, message: None, seed=SEED)
+    options = EvaluationOptions(frames=FRAMES, seed=SEED)
+    found = evaluate_table(table, source, options, cache, lambda fraction, message: None)
     return max(float(methods["modal"]["max_error"]) for methods in found.values())

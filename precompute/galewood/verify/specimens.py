@@ -13,8 +13,9 @@ import numpy as np
 
 from galewood.beams import Frame, joined_frame
 from galewood.fem import Element, FemModel, FemSettings
-from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
+from galewood.mesh import TreeMesh, import_mesh_sandboxed
 from galewood.model import LumpedMasses, bind_foliage, build_model
+from galewood.options import ImportRequest
 from galewood.skeleton import Skeleton, extract_skeleton, with_corrected_radii
 from galewood.tets import TetMesh, tetrahedralise
 from galewood.util import Floats
@@ -86,7 +87,7 @@ def read_frame(path: Path, beams_per_link: int = BEAMS_PER_LINK) -> Frame:
 def read_tree(folder: Path, name: str) -> TreeMesh:
     """Import the mesh of a generated tree."""
     path = folder / f"{name}.glb"
-    tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportOptions(species=FORMS[name][0]))
+    tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportRequest(species=FORMS[name][0]))
     return tree
 
 

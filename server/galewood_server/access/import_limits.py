@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from galewood.options import ImportRequest
+
 from galewood_server.settings import Settings
 
 if TYPE_CHECKING:  # the mesh libraries are loaded with the first upload, not at startup
-    from galewood.mesh import ImportOptions, TreeMesh
+    from galewood.mesh import TreeMesh
 
-MeshImporter = Callable[[bytes, str, "ImportOptions"], tuple["TreeMesh", bytes]]
+MeshImporter = Callable[[bytes, str, ImportRequest], tuple["TreeMesh", bytes]]
 """(file bytes, file name, options) -> (tree mesh, render mesh as GLB)."""
 
 
 def limited_importer(settings: Settings) -> MeshImporter:
     """Return a function that imports an untrusted mesh. It raises MeshError for every kind of failure."""
 
-    def read(data: bytes, filename: str, options: ImportOptions) -> tuple[TreeMesh, bytes]:
+    def read(data: bytes, filename: str, options: ImportRequest) -> tuple[TreeMesh, bytes]:
         from galewood.mesh import import_mesh_sandboxed
         from galewood.pipeline import EXPECTED_MOTION
         from galewood.sandbox import Limits

@@ -28,7 +28,7 @@ from galewood_server.http import (
     row_as_json,
     rows_after,
 )
-from galewood_server.jobs import AFTER_TABLE, find_job, fingerprint, queue_job, request_cancel
+from galewood_server.jobs import find_job, fingerprint, queue_job, request_cancel
 from galewood_server.storage import JOB_FIELDS, Job, JobState, RawRow, Tree, job_rows
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
@@ -84,7 +84,7 @@ STARTED = {
 @router.post("", status_code=202, max_body_size=64 * 1024, responses=STARTED)
 def start_job(body: JobRequest, service: ServiceDep, response: Response) -> JobOut:
     """Queue the computation of a tree's table; the settings override the tree's import options."""
-    out, new = start_build(service, body.tree_id, body.settings.model_dump(exclude_none=True))
+    out, new = start_build(service, body.tree_id, body.settings.given())
     response.status_code = 202 if new else 200
     response.headers["Location"] = f"/api/jobs/{out.id}"
     return out
@@ -111,7 +111,7 @@ def _existing_build(service: Service, tree: Tree, settings: dict[str, Any]) -> J
     job = tree.job
     if job is None or tree.state != "ready" or job.settings != settings:
         return None
-    if job.state != "done" and not (job.state == "running" and job.stage in AFTER_TABLE):
+    if job.state != "done" and not (job.state == "running" and job.stage in STAGES_AFTER_TABLE):
         return None
     unchanged = tree.fingerprint == fingerprint(tree.source_sha256, tree.options, settings)
     return job if unchanged and _is_intact(service, tree.table_sha256 or "") else None

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
 
 from fastapi import APIRouter, Response
 
 from galewood_server.api.trees import find_tree
-from galewood_server.api.uploads import given_import_options, read_mesh, store_tree
+from galewood_server.api.uploads import read_mesh, store_tree
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
     ProblemError,
@@ -17,20 +16,11 @@ from galewood_server.http import (
     TreeOut,
     Upload,
     contents,
-    import_options,
     problems,
 )
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 GLB = contents("All pieces as a GLB.", "model/gltf-binary")
-
-
-@dataclass(frozen=True)
-class _Source:
-    """The file of an upload, and its import options."""
-
-    upload: Upload
-    options: dict[str, Any]
 
 
 @router.post(
@@ -42,9 +32,9 @@ class _Source:
 async def read_pieces(tree_id: str, service: ServiceDep) -> Response:
     """All pieces of an upload's tree, also those that are left out, to choose from: a GLB with the attribute
     `_PIECE` (docs/how-to/pieces.md). A POST, because it reads the file again."""
-    source = await asyncio.to_thread(_source, service, tree_id)
+    upload = await asyncio.to_thread(_upload, service, tree_id)
     async with service.imports.taken():
-        glb = await asyncio.to_thread(_pieces, service, source)
+        glb = await asyncio.to_thread(_pieces, service, upload)
     return Response(glb, media_type="model/gltf-binary", headers={"Cache-Control": "no-store"})
 
 
@@ -61,33 +51,31 @@ async def copy_tree(tree_id: str, body: TreeChanges, service: ServiceDep, respon
     """Import the file of an upload once more as a tree of its own, with other options: another `tree` of a
     file with several, for instance. Options that are missing are those of the upload; null restores the
     default. The file is not sent again, and stored once."""
-    source = await asyncio.to_thread(_source, service, tree_id)
-    kept = {key: value for key, value in source.options.items() if key not in body.model_fields_set}
-    fields = TreeChanges.model_validate({**kept, **body.model_dump(exclude_unset=True)})
-    options = given_import_options(fields)
-    mesh, glb = await read_mesh(service, source.upload.data, source.upload.filename, options)
-    tree, new = await asyncio.to_thread(store_tree, service, source.upload, fields, mesh, glb)
+    upload = await asyncio.to_thread(_upload, service, tree_id)
+    options = {**upload.changes.import_options(), **body.model_dump(exclude_unset=True)}
+    upload = replace(upload, changes=TreeChanges.model_validate(options))
+    mesh, glb = await read_mesh(service, upload.data, upload.filename, upload.changes)
+    tree, new = await asyncio.to_thread(store_tree, service, upload, mesh, glb)
     response.status_code = 201 if new else 200
     response.headers["Location"] = f"/api/trees/{tree.id}"
     return tree
 
 
-def _source(service: Service, tree_id: str) -> _Source:
-    """ProblemError 403, 404."""
+def _upload(service: Service, tree_id: str) -> Upload:
+    """The file of an upload, and its import options. ProblemError 403, 404."""
     with service.sessions() as session:
         tree = find_tree(session, tree_id)
         if tree.builtin:
             hint = "Only the file of an upload can be imported again."
             raise ProblemError(403, "builtin-tree", "This is a built-in tree", hint=hint)
         data = service.stores.sources.get(tree.source_sha256)
-        return _Source(Upload(data, tree.filename, {}), tree.options)
+        return Upload(data, tree.filename, TreeChanges.model_validate(tree.options))
 
 
-def _pieces(service: Service, source: _Source) -> bytes:
+def _pieces(service: Service, upload: Upload) -> bytes:
     from galewood.mesh import pieces_sandboxed  # loads the mesh libraries
     from galewood.sandbox import Limits
 
     settings = service.settings
     limits = Limits(settings.import_memory_bytes, settings.import_cpu_s, settings.import_wall_s)
-    upload = source.upload
-    return pieces_sandboxed(upload.data, upload.filename, import_options(source.options), limits)
+    return pieces_sandboxed(upload.data, upload.filename, upload.changes, limits)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter
+from galewood.options import ImportRequest
 
 from galewood_server.access import check_quota, count_stored
 from galewood_server.api.trees import find_tree, remove_unshared, tree_out
-from galewood_server.api.uploads import given_import_options, read_mesh
+from galewood_server.api.uploads import read_mesh
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, TreeChanges, TreeOut, problems
 from galewood_server.storage import Tree
@@ -40,7 +41,8 @@ async def change_tree(tree_id: str, body: TreeChanges, service: ServiceDep) -> T
     revision = None
     if options is not None:
         source, filename = await asyncio.to_thread(_source, service, tree_id)
-        revision = Revision(options, *await read_mesh(service, source, filename, options))
+        imported = await read_mesh(service, source, filename, ImportRequest.model_validate(options))
+        revision = Revision(options, *imported)
         await asyncio.to_thread(check_quota, service.settings, len(revision.glb))
     return await asyncio.to_thread(_write, service, tree_id, body.name, revision)
 
@@ -53,7 +55,7 @@ def _options(service: Service, tree_id: str, body: TreeChanges) -> dict[str, Any
             raise ProblemError(403, "builtin-tree", "Built-in trees cannot be changed")
         given = body.model_fields_set - {"name"}
         kept = {key: value for key, value in tree.options.items() if key not in given}
-        options = {**kept, **{k: v for k, v in given_import_options(body).items() if k in given}}
+        options = {**kept, **body.import_options()}
         if options == tree.options:
             return None
         _check_unbuilt(tree)

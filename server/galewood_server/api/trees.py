@@ -132,7 +132,7 @@ def precompute_tree(
     tree_id: str, service: ServiceDep, response: Response, body: PrecomputeRequest | None = None
 ) -> JobOut:
     """Queue the computation of a tree's table."""
-    settings = (body or PrecomputeRequest()).settings.model_dump(exclude_none=True)
+    settings = (body or PrecomputeRequest()).settings.given()
     with service.sessions.begin() as session:
         out = job_out(queue_job(session, find_tree(session, tree_id), settings))
     response.headers["Location"] = f"/api/jobs/{out.id}"

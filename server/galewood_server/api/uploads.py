@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request, Response
-from pydantic import ValidationError
+from galewood.options import ImportRequest
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
@@ -17,13 +17,10 @@ from galewood_server.access import check_quota, count_stored
 from galewood_server.api.trees import remove_unshared, tree_out
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
-    IMPORT_FIELDS,
     UPLOAD_FORM,
     ProblemError,
-    TreeChanges,
     TreeOut,
     Upload,
-    import_options,
     problems,
     read_upload,
 )
@@ -55,11 +52,10 @@ async def upload_tree(
     a GLB whose meshes are named `wood_…` and `leaves_…`). Use PATCH to change the import options, and
     POST /api/jobs or `build=true` to compute the table. The same file with the same options is one tree."""
     upload = await _receive(request, service)
-    fields = _fields(upload)
-    tree = await asyncio.to_thread(_find, service, upload, fields)
+    tree = await asyncio.to_thread(_find, service, upload)
     if tree is None:
-        mesh, glb = await read_mesh(service, upload.data, upload.filename, given_import_options(fields))
-        tree, new = await asyncio.to_thread(store_tree, service, upload, fields, mesh, glb)
+        mesh, glb = await read_mesh(service, upload.data, upload.filename, upload.changes)
+        tree, new = await asyncio.to_thread(store_tree, service, upload, mesh, glb)
     else:
         new = False
     response.status_code = 201 if new else 200
@@ -68,14 +64,14 @@ async def upload_tree(
 
 
 async def read_mesh(
-    service: Service, data: bytes, filename: str, options: dict[str, Any]
+    service: Service, data: bytes, filename: str, options: ImportRequest
 ) -> tuple[TreeMesh, bytes]:
     """Import a mesh in a sandboxed process; few at once.
 
     MeshError; ProblemError 503 if too many wait.
     """
     async with service.imports.taken():
-        return await asyncio.to_thread(service.importer, data, filename, import_options(options))
+        return await asyncio.to_thread(service.importer, data, filename, options)
 
 
 async def _receive(request: Request, service: Service) -> Upload:
@@ -96,27 +92,9 @@ async def _receive(request: Request, service: Service) -> Upload:
         return await read_upload(request, service.settings.upload_bytes)
 
 
-def _fields(upload: Upload) -> TreeChanges:
-    given: dict[str, Any] = {key: value for key, value in upload.fields.items() if value}
-    for names in ("wood_materials", "leaves", "drop"):
-        if names in given:
-            given[names] = [name.strip() for name in given[names].split(",")]
-    try:
-        return TreeChanges.model_validate(given)
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
-        raise ProblemError(422, "invalid-field", f"Invalid field {field!r}", detail=first["msg"]) from None
-
-
-def given_import_options(fields: TreeChanges) -> dict[str, Any]:
-    """The given import options, without missing fields."""
-    return fields.model_dump(include=set(IMPORT_FIELDS), exclude_none=True)
-
-
-def _find(service: Service, upload: Upload, fields: TreeChanges) -> TreeOut | None:
+def _find(service: Service, upload: Upload) -> TreeOut | None:
     with service.sessions() as session:
-        tree = _find_same(session, hashlib.sha256(upload.data).hexdigest(), given_import_options(fields))
+        tree = _find_same(session, hashlib.sha256(upload.data).hexdigest(), upload.changes.import_options())
         if tree is None:
             return None
         service.stores.sources.put(upload.data)  # written only if the stored file is damaged or lost
@@ -128,24 +106,20 @@ def _find_same(session: Session, source_sha256: str, options: dict[str, Any]) ->
     return next((tree for tree in trees if tree.options == options), None)
 
 
-def store_tree(
-    service: Service, upload: Upload, fields: TreeChanges, mesh: TreeMesh, glb: bytes
-) -> tuple[TreeOut, bool]:
+def store_tree(service: Service, upload: Upload, mesh: TreeMesh, glb: bytes) -> tuple[TreeOut, bool]:
     """Store an upload. Returns the tree and whether it is new: equal concurrent uploads become one tree."""
     check_quota(service.settings, len(upload.data) + len(glb))
     with service.files_lock:
-        return _store_both(service, upload, fields, mesh, glb)
+        return _store_both(service, upload, mesh, glb)
 
 
-def _store_both(
-    service: Service, upload: Upload, fields: TreeChanges, mesh: TreeMesh, glb: bytes
-) -> tuple[TreeOut, bool]:
+def _store_both(service: Service, upload: Upload, mesh: TreeMesh, glb: bytes) -> tuple[TreeOut, bool]:
     tree = Tree(
-        name=fields.name or upload.filename.rsplit(".", 1)[0] or "tree",
+        name=upload.changes.name or upload.filename.rsplit(".", 1)[0] or "tree",
         species=mesh.species,
         height_m=mesh.height_m,
         filename=upload.filename,
-        options=given_import_options(fields),
+        options=upload.changes.import_options(),
         report=mesh.report,
         source_sha256=service.stores.sources.put(upload.data),
         mesh_sha256=service.stores.meshes.put(glb),

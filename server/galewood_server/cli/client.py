@@ -55,12 +55,15 @@ class Client:
     def __exit__(self, *_: object) -> None:
         self._http.close()
 
-    def upload(self, mesh: Path, **assumptions: str | float) -> Json:
+    def upload(self, mesh: Path, **options: str | float | bool | list[str]) -> Json:
         """Upload a mesh, with the textures beside it, and return its tree. ServiceError.
 
-        The same file gives the same tree.
+        ``options`` are fields of ``galewood.ImportRequest``, and ``name``. The same file gives the same tree.
         """
-        fields = {name: str(value) for name, value in assumptions.items()}
+        fields = {
+            name: ",".join(value) if isinstance(value, list) else str(value)
+            for name, value in options.items()
+        }
         file = (mesh.name, mesh_with_companions(mesh))
         return self._request("POST", "/api/trees", files={"file": file}, data=fields)
 

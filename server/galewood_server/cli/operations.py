@@ -6,34 +6,34 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from galewood.cli import JsonOut, console, progress_bar, progress_reporter, write_figures
+from galewood.cli import (
+    JsonOut,
+    Mesh,
+    console,
+    progress_bar,
+    progress_reporter,
+    validated,
+    with_options_of,
+    write_figures,
+)
+from galewood.options import ImportRequest
 
 from galewood_server.cli.extras import end_with, needs_extras, read_settings
 
 
+@with_options_of(ImportRequest)
 def upload(
-    mesh: Annotated[
-        Path,
-        typer.Argument(
-            exists=True, dir_okay=False, help="GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS, ZIP, MAT or CSV."
-        ),
-    ],
+    mesh: Mesh,
     server: Annotated[str, typer.Option(help="URL of the service.")] = "http://127.0.0.1:8000",
     key: Annotated[
         str | None, typer.Option(envvar="GALEWOOD_KEY", help="API key, if the service requires one.")
     ] = None,
-    species: Annotated[str | None, typer.Option(help="Wood species.")] = None,
-    height_m: Annotated[float | None, typer.Option(help="Height of the tree (m).")] = None,
-    up_axis: Annotated[str | None, typer.Option(help="Up axis: x, y, z, -x, -y or -z.")] = None,
-    wood: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces that are wood.")] = None,
-    leaves: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces that are leaves.")] = None,
-    drop: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces to leave out.")] = None,
-    tree: Annotated[int | None, typer.Option(help="Which tree of a file with several.")] = None,
     inspect: Annotated[
         bool, typer.Option(help="Only import the mesh and print the report; compute nothing.")
     ] = False,
     out: Annotated[Path | None, typer.Option(help="Write the table to this file.")] = None,
     json_out: JsonOut = None,
+    **chosen: Any,
 ) -> None:
     """Upload a mesh to a service, wait for its table and optionally download it."""
     with needs_extras():
@@ -41,13 +41,10 @@ def upload(
 
         from galewood_server.cli.client import Client, ServiceError
 
-    given: dict[str, Any] = {"species": species, "height_m": height_m, "up_axis": up_axis, "tree": tree}
-    lists = {"wood_materials": wood, "leaves": leaves, "drop": drop}
-    given |= {name: ",".join(values) for name, values in lists.items() if values}
-    assumptions = {name: value for name, value in given.items() if value is not None}
+    options = validated(ImportRequest, chosen)
     try:
         with Client(server, key) as client:
-            uploaded = client.upload(mesh, **assumptions)
+            uploaded = client.upload(mesh, **options.model_dump(exclude_none=True))
             uploaded = uploaded if inspect else _compute(client, uploaded["id"])
             if out is not None and uploaded["table_sha256"]:
                 out.write_bytes(client.whole_table(uploaded))

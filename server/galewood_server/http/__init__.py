@@ -1,5 +1,6 @@
 """Shared by all routes: schemas, problem details (RFC 9457), pagination, ETags and multipart forms."""
 
+from galewood_server.http.bodies import read_body
 from galewood_server.http.content_types import EVENT_STREAM, contents
 from galewood_server.http.errors import (
     Problem,
@@ -17,7 +18,6 @@ from galewood_server.http.etags import (
     etag_matches,
     json_with_etag,
 )
-from galewood_server.http.import_fields import IMPORT_FIELDS, import_options
 from galewood_server.http.methods import with_head_routes
 from galewood_server.http.multipart import UPLOAD_FORM, Upload, read_upload
 from galewood_server.http.pagination import (
@@ -56,7 +56,6 @@ __all__ = [
     "COMPRESSED_BYTES",
     "EVENT_STREAM",
     "GZIP_LEVEL",
-    "IMPORT_FIELDS",
     "NOT_MODIFIED",
     "UPLOAD_FORM",
     "Health",
@@ -89,7 +88,6 @@ __all__ = [
     "damaged",
     "decode_cursor",
     "etag_matches",
-    "import_options",
     "install_error_handlers",
     "invalid_cursor",
     "json_with_etag",
@@ -97,6 +95,7 @@ __all__ = [
     "paged",
     "problem_from",
     "problems",
+    "read_body",
     "read_page",
     "read_upload",
     "row_as_json",

@@ -2,102 +2,69 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncGenerator
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
 from fastapi import Request
+from galewood.options import list_fields
 from galewood.util import shown_text
+from pydantic import ValidationError
 from python_multipart.multipart import parse_options_header
 from starlette.datastructures import FormData, UploadFile
 from starlette.formparsers import MultiPartParser
 
+from galewood_server.http.bodies import body_in_chunks, drain
 from galewood_server.http.errors import ProblemError
+from galewood_server.http.schemas import TreeChanges
 
 FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
-DRAIN_S = 2.0
 MOST_FIELDS = 16
-FIELDS = (
-    "species", "height_m", "name", "up_axis", "wood_materials", "leaves", "drop", "tree", "dbh_cm",
-    "min_radius_mm", "bare", "complete",
-)  # fmt: skip
-UPLOAD_FORM: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["file"],
-                    "additionalProperties": False,
-                    "properties": {
-                        "file": {
-                            "type": "string",
-                            "format": "binary",
-                            "description": "GLB, OBJ, PLY, STL, FBX, DAE or 3DS, a ZIP archive of one model "
-                            "with its buffers and textures, or the cylinders of a scanned tree: MAT or CSV",
-                        },
-                        "species": {"type": "string", "description": "See GET /api/species"},
-                        "height_m": {"type": "number", "exclusiveMinimum": 0.1, "maximum": 150},
-                        "name": {"type": "string", "maxLength": 200},
-                        "up_axis": {"type": "string", "enum": ["x", "y", "z", "-x", "-y", "-z"]},
-                        "wood_materials": {
-                            "type": "string",
-                            "description": "Comma-separated names of wood materials, nodes or meshes, or "
-                            "ids of pieces that are wood",
-                        },
-                        "leaves": {
-                            "type": "string",
-                            "description": "Comma-separated names or ids of pieces that are leaves",
-                        },
-                        "drop": {
-                            "type": "string",
-                            "description": "Comma-separated names or ids of pieces that are left out",
-                        },
-                        "tree": {
-                            "type": "integer",
-                            "minimum": 1,
-                            "description": "Which tree of a file with several",
-                        },
-                        "dbh_cm": {
-                            "type": "number",
-                            "exclusiveMinimum": 0.5,
-                            "maximum": 1500,
-                            "description": "Scanned tree: diameter of the trunk at 1.3 m",
-                        },
-                        "min_radius_mm": {
-                            "type": "number",
-                            "minimum": 0,
-                            "maximum": 500,
-                            "description": "Scanned tree: thinner branches are dropped",
-                        },
-                        "bare": {"type": "boolean", "description": "Scanned tree: add no leaves"},
-                        "complete": {
-                            "type": "boolean",
-                            "description": "Whether wood is added where foliage has none; default: where "
-                            "it is needed",
-                        },
-                    },
-                }
-            }
-        },
+FIELDS = tuple(TreeChanges.model_fields)
+LISTS = list_fields(TreeChanges)
+
+
+def _form_field(name: str, described: dict[str, Any]) -> dict[str, Any]:
+    """The description of a field as text: a form has no null, and a list is separated by commas."""
+    kind: dict[str, Any] = next(one for one in described["anyOf"] if one["type"] != "null")
+    if name in LISTS:
+        return {"type": "string", "description": f"{described['description']} Separated by commas."}
+    return {**kind, "description": described["description"]}
+
+
+def _upload_form() -> dict[str, Any]:
+    """What OpenAPI says of the form: a file and the fields of `TreeChanges`."""
+    fields: dict[str, Any] = TreeChanges.model_json_schema()["properties"]
+    file = {
+        "type": "string",
+        "format": "binary",
+        "description": "GLB, OBJ, PLY, STL, FBX, DAE or 3DS, a ZIP archive of one model with its buffers and "
+        "textures, or the cylinders of a scanned tree: MAT or CSV",
     }
-}
+    schema = {
+        "type": "object",
+        "required": ["file"],
+        "additionalProperties": False,
+        "properties": {"file": file, **{name: _form_field(name, one) for name, one in fields.items()}},
+    }
+    return {"requestBody": {"required": True, "content": {"multipart/form-data": {"schema": schema}}}}
+
+
+UPLOAD_FORM = _upload_form()
 
 
 @dataclass(frozen=True)
 class Upload:
-    """An uploaded file's bytes, its base name and the given text fields."""
+    """An uploaded file's bytes, its base name and the given name and import options."""
 
     data: bytes
     filename: str
-    fields: dict[str, str]
+    changes: TreeChanges
 
 
 async def read_upload(request: Request, limit_bytes: int) -> Upload:
-    """Parse the form of an upload. ProblemError 400, 413, 415 or 422."""
+    """Parse and validate the form of an upload. ProblemError 400, 413, 415 or 422."""
     if not request.headers.get("content-type", "").startswith("multipart/form-data"):
         raise ProblemError(
             415,
@@ -105,7 +72,9 @@ async def read_upload(request: Request, limit_bytes: int) -> Upload:
             "The upload is not a multipart form",
             hint="Send multipart/form-data with a part named 'file'.",
         )
-    body = _few_parts(_limited(request, limit_bytes), _delimiter(request))
+    room = limit_bytes + FORM_OVERHEAD_BYTES
+    chunks = body_in_chunks(request, room, _too_large(limit_bytes))
+    body = _few_parts(chunks, _delimiter(request))
     parser = MultiPartParser(
         request.headers, body, max_files=1, max_fields=MOST_FIELDS, max_part_size=FORM_OVERHEAD_BYTES
     )
@@ -132,30 +101,28 @@ async def _upload_of(form: FormData, limit_bytes: int) -> Upload:
     data = await file.read(limit_bytes + 1)
     if len(data) > limit_bytes:
         raise _too_large(limit_bytes)
-    return Upload(data, bare_name(file.filename or ""), {key: value.strip() for key, value in fields.items()})
+    return Upload(data, bare_name(file.filename or ""), _changes(fields))
+
+
+def _changes(fields: dict[str, str]) -> TreeChanges:
+    """The validated fields; empty ones are left out. ProblemError 422."""
+    given = {name: text.strip() for name, text in fields.items() if text.strip()}
+    values = {
+        name: [one.strip() for one in text.split(",")] if name in LISTS else text
+        for name, text in given.items()
+    }
+    try:
+        return TreeChanges.model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(part) for part in first["loc"])
+        raise ProblemError(422, "invalid-field", f"Invalid field {field!r}", detail=first["msg"]) from None
 
 
 def bare_name(filename: str) -> str:
     """The base name of a client's file name, fit to be shown; only for display."""
     last = PurePosixPath(filename.replace("\\", "/")).name
     return shown_text(last[-120:]) or "mesh"
-
-
-async def _limited(request: Request, limit_bytes: int) -> AsyncGenerator[bytes, None]:
-    """The request body in chunks. ProblemError 413 if its declared or actual length exceeds the limit."""
-    room = limit_bytes + FORM_OVERHEAD_BYTES
-    declared = request.headers.get("content-length", "")
-    stream = request.stream()
-    if declared.isdigit() and int(declared) > room:
-        await _drain(stream)
-        raise _too_large(limit_bytes)
-    received = 0
-    async for chunk in stream:
-        received += len(chunk)
-        if received > room:
-            await _drain(stream)
-            raise _too_large(limit_bytes)
-        yield chunk
 
 
 def _delimiter(request: Request) -> bytes:
@@ -177,7 +144,7 @@ async def _few_parts(chunks: AsyncGenerator[bytes, None], delimiter: bytes) -> A
         piece = rest + chunk
         found += piece.count(delimiter)
         if found > MOST_FIELDS + 2:  # the file, and the end
-            await _drain(chunks)
+            await drain(chunks)
             raise _broken_form("It has too many parts, or the file contains the boundary.")
         # a delimiter that is complete here does not begin in the rest
         rest = piece[max(0, len(piece) - len(delimiter) + 1) :]
@@ -187,16 +154,6 @@ async def _few_parts(chunks: AsyncGenerator[bytes, None], delimiter: bytes) -> A
 def _broken_form(detail: str) -> ProblemError:
     title, hint = "The form could not be read", "Send multipart/form-data with one part named 'file'."
     return ProblemError(400, "broken-form", title, detail=detail, hint=hint)
-
-
-async def _drain(stream: AsyncGenerator[bytes, None]) -> None:
-    # A client that is still sending would see a connection reset instead of the response: discard its data.
-    try:
-        async with asyncio.timeout(DRAIN_S):
-            async for _ in stream:
-                pass
-    except TimeoutError:
-        pass
 
 
 def _too_large(limit_bytes: int) -> ProblemError:

@@ -145,18 +145,22 @@ class WoodSpeciesList(BaseModel):
     species: list[WoodSpeciesOut]
 
 
-class ImportFields(ImportRequest):
-    """Mesh import options. Missing options are determined by mesh import and listed in the tree's report."""
-
-
-class TreeChanges(ImportFields):
+class TreeChanges(ImportRequest):
     """Body of PATCH /api/trees/{id}: a new name or other import options (the mesh is then imported again)."""
 
-    name: TreeName | None = None
+    name: TreeName | None = Field(default=None, description="Name of the tree; default: that of the file.")
+
+    def import_options(self) -> dict[str, Any]:
+        """The given import options, as they are stored."""
+        return self.model_dump(include=set(ImportRequest.model_fields), exclude_none=True)
 
 
 class BuildSettings(BuildRequest):
-    """Settings of a build. Missing ones default to the tree's import options or the build's defaults."""
+    """Settings of a build. Missing import options are those of the tree."""
+
+    def given(self) -> dict[str, Any]:
+        """The given settings, as they are stored."""
+        return self.model_dump(exclude_unset=True, exclude_none=True)
 
 
 class PrecomputeRequest(BaseModel):

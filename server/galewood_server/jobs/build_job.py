@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from galewood.options import BuildRequest
-from galewood.pipeline import BuildOptions, BuildResult, Progress, build_options
+from galewood.pipeline import BuildOptions, BuildResult, Progress
 from galewood.util import kernels_compiled
 from sqlalchemy.orm import Session
 
@@ -18,7 +17,7 @@ from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
 from galewood_server.jobs.processes import lower_priority
 from galewood_server.jobs.progress import JobLease, ProgressReporter
-from galewood_server.jobs.queue import AFTER_TABLE, RECORDS, end_job
+from galewood_server.jobs.queue import end_job
 from galewood_server.jobs.stored_files import stored_bytes
 from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
@@ -67,9 +66,7 @@ def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildI
             tree_id=tree.id,
             source=stored_bytes(stores, "sources", tree.source_sha256, tree.filename),
             filename=tree.filename,
-            options=build_options(
-                BuildRequest.model_validate({"bare_table": tree.builtin, **tree.options, **job.settings})
-            ),
+            options=BuildOptions.model_validate({"bare_table": tree.builtin, **tree.options, **job.settings}),
             fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
         )
 
@@ -164,8 +161,8 @@ def publish_table(
         job_lease.check(session)
         _set_table(session, stores, inputs, files, result)
         job = session.get_one(Job, job_lease.job_id)
-        if job.stage not in AFTER_TABLE:  # a resumed job may have come farther
-            job.stage, job.fraction = RECORDS, 0.0
+        if job.stage not in STAGES_AFTER_TABLE:  # a resumed job may have come farther
+            job.stage, job.fraction = RECORDS_STAGE, 0.0
         job.seconds_left = None
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from galewood.fem import save_model
-from galewood.options import BuildRequest
 
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.jobs.stored_files import stored_bytes
@@ -35,11 +34,11 @@ def with_model(
 
 
 def _compute(job_lease: JobLease, settings: Settings, stores: Stores) -> bytes:
-    from galewood.pipeline import build_options, model_of  # loads the meshing packages
+    from galewood.pipeline import BuildOptions, model_of  # loads the meshing packages
 
     with job_lease.sessions() as session:
         tree = session.get_one(Job, job_lease.job_id).tree
-        options = build_options(BuildRequest.model_validate({**tree.options, **settings_of_table(tree)}))
+        options = BuildOptions.model_validate({**tree.options, **settings_of_table(tree)})
         source, filename = stored_bytes(stores, "sources", tree.source_sha256, tree.filename), tree.filename
     model = model_of(source, filename, options, settings.cache_dir)
     with tempfile.TemporaryDirectory(prefix="galewood-model-") as folder:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from galewood.options import MAX_HEIGHT_M, MIN_HEIGHT_M
 from galewood.util import Floats, Int64s, MeshError
 
 MOST = 20_000
@@ -15,7 +16,6 @@ LOOSE_SHARE = 0.01
 """Largest share of the volume in cylinders that no parent connects with the tree; they are dropped."""
 WIDEST_GAP = 0.2
 """Largest gap between a cylinder and its parent, relative to the height of the tree."""
-MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 
 
 @dataclass(frozen=True)

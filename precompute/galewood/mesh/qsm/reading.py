@@ -22,7 +22,8 @@ from galewood.mesh.qsm.tables import read_table
 from galewood.mesh.qsm.treeqsm import read_treeqsm
 from galewood.mesh.qsm.trunk import check_trunk, trunk_warnings
 from galewood.mesh.qsm.tubes import tube, tube_faces
-from galewood.mesh.types import Axis, ImportOptions, Material, RawPart
+from galewood.mesh.types import Material, RawPart
+from galewood.options import Axis, ImportRequest
 from galewood.util import Floats, MeshError
 
 Z_UP: dict[Axis, tuple[list[int], list[float]]] = {
@@ -60,7 +61,7 @@ class ScannedTree:
     warnings: list[str]
 
 
-def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> ScannedTree:
+def read_qsm(data: bytes, file_format: QsmFormat, options: ImportRequest) -> ScannedTree:
     """The tree of a cylinder model. Raises MeshError if it is damaged or is not one tree."""
     raw, models = read_treeqsm(data) if file_format == "treeqsm" else (read_table(data), 1)
     order, signs = Z_UP[options.up_axis or "z"]
@@ -198,7 +199,7 @@ def _dropped(tree: Cylinders, branches: list[Branch], kept: list[int], loose: in
     }
 
 
-def _warnings(report: dict[str, Any], models: int, options: ImportOptions) -> list[str]:
+def _warnings(report: dict[str, Any], models: int, options: ImportRequest) -> list[str]:
     found: list[str] = []
     dropped = report["dropped"]
     if models > 1:

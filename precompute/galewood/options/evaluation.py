@@ -1,0 +1,30 @@
+"""What a user may choose about an evaluation of a table."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class EvaluationOptions(BaseModel):
+    """The unseen winds of an evaluation, and what is simulated in them."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    frames: int = Field(default=600, ge=60, description="Frames per wind.")
+    strength: float = Field(default=0.65, description="Peak speed of the winds over the design speed.")
+    sway: float | None = Field(
+        default=None,
+        description="Scale each wind instead until the tree sways by this share of its height, or until the "
+        "wind is the strongest that the table was made from.",
+    )
+    seed: int = Field(default=20_001, description="Seed of the winds' directions and timing.")
+    long: int = Field(
+        default=0, description="Frames of an extra long run of gusts at --sway (default 0.1), and beyond."
+    )
+    workers: int = Field(default=2, description="Processes for the finite-element simulations.")
+    converged: bool = Field(
+        default=False,
+        description="Also compare with time steps a quarter as long (five times the work).",
+    )

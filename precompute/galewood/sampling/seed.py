@@ -1,3 +1,0 @@
-"""The seed of the training winds."""
-
-SEED = 1
