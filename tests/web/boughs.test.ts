@@ -3,7 +3,7 @@ import { fileURLToPath } from "node:url";
 import { describe, expect, test } from "vitest";
 import { readGlb } from "../../web/scripts/species/glb";
 import { hasLot, lotsOf } from "../../web/src/scene/treeModel/boughLots";
-import { ALWAYS, MISSING } from "../../web/player/src/trees/lotShader";
+import { COMMON_LOT, MISSING_BRANCH_SHARE } from "../../web/player/src/trees/lotShader";
 import { bareShoots } from "../../web/src/scene/treeModel/bareShoots";
 import { boughsOf, type BornePart, STEM } from "../../web/player/src/trees/mesh/boughs";
 import { connectedComponents, weldedComponents } from "../../web/player/src/trees/mesh/components";
@@ -106,10 +106,10 @@ test("every tree lacks the same share of the boughs, and no two neighbours the s
   const place = random(5);
   const sets = Array.from({ length: 60 }, () => {
     const [x, z] = [200 * (place() - 0.5), 200 * (place() - 0.5)];
-    expect(hasLot(ALWAYS, x, z)).toBe(true);
+    expect(hasLot(COMMON_LOT, x, z)).toBe(true);
     return [...lots].map((lot) => (hasLot(lot, x, z) ? "1" : "0")).join("");
   });
-  for (const set of sets) expect(Math.abs([...set].filter((has) => has === "0").length / 25 - MISSING)).toBeLessThan(0.05);
+  for (const set of sets) expect(Math.abs([...set].filter((has) => has === "0").length / 25 - MISSING_BRANCH_SHARE)).toBeLessThan(0.05);
   expect(new Set(sets).size).toBeGreaterThan(15);
 });
 

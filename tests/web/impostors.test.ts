@@ -10,13 +10,13 @@ import {
   MOST_ATLASES,
   viewport,
 } from "../../web/src/scene/impostors/atlasLayout";
-import { farPlaces, plantFar, REACH_M, shareOfPlaces, THINNING } from "../../web/src/scene/impostors/farPlaces";
+import { farPlaces, plantFar, REACH_M, shareOfPlaces, THINNING_LEVELS } from "../../web/src/scene/impostors/farPlaces";
 import {
   type Direction,
   directionAt,
   pictureAxes,
   squareAt,
-  VIEWS,
+  VIEWS_PER_SIDE,
   viewDirection,
   viewsAround,
 } from "../../web/src/scene/impostors/octahedral";
@@ -51,12 +51,12 @@ describe("views of an impostor", () => {
   });
 
   test("the rim is the horizon", () => {
-    for (let k = 0; k < VIEWS; k++) {
+    for (let k = 0; k < VIEWS_PER_SIDE; k++) {
       for (const [column, row] of [
         [k, 0],
-        [k, VIEWS - 1],
+        [k, VIEWS_PER_SIDE - 1],
         [0, k],
-        [VIEWS - 1, k],
+        [VIEWS_PER_SIDE - 1, k],
       ]) {
         expect(viewDirection(column, row)[1]).toBeCloseTo(0, 12);
       }
@@ -70,12 +70,12 @@ describe("views of an impostor", () => {
       for (const { column, row, weight } of views) {
         expect(weight).toBeGreaterThanOrEqual(-1e-12);
         expect(Math.min(column, row)).toBeGreaterThanOrEqual(0);
-        expect(Math.max(column, row)).toBeLessThan(VIEWS);
+        expect(Math.max(column, row)).toBeLessThan(VIEWS_PER_SIDE);
       }
       const mean = (of: "column" | "row") => views.reduce((sum, view) => sum + view.weight * view[of], 0);
       const [u, v] = squareAt(direction);
-      expect(mean("column")).toBeCloseTo((0.5 * u + 0.5) * (VIEWS - 1), 10);
-      expect(mean("row")).toBeCloseTo((0.5 * v + 0.5) * (VIEWS - 1), 10);
+      expect(mean("column")).toBeCloseTo((0.5 * u + 0.5) * (VIEWS_PER_SIDE - 1), 10);
+      expect(mean("row")).toBeCloseTo((0.5 * v + 0.5) * (VIEWS_PER_SIDE - 1), 10);
     }
   });
 
@@ -83,9 +83,9 @@ describe("views of an impostor", () => {
     for (const [x, y, z] of someDirections(300, 7)) {
       const turned: Direction = [x * Math.cos(1e-3) - z * Math.sin(1e-3), y, x * Math.sin(1e-3) + z * Math.cos(1e-3)];
       const all = new Map<number, number>();
-      for (const { column, row, weight } of viewsAround([x, y, z])) all.set(row * VIEWS + column, weight);
+      for (const { column, row, weight } of viewsAround([x, y, z])) all.set(row * VIEWS_PER_SIDE + column, weight);
       for (const { column, row, weight } of viewsAround(turned)) {
-        expect(Math.abs(weight - (all.get(row * VIEWS + column) ?? 0))).toBeLessThan(0.03);
+        expect(Math.abs(weight - (all.get(row * VIEWS_PER_SIDE + column) ?? 0))).toBeLessThan(0.03);
       }
     }
   });
@@ -105,13 +105,13 @@ describe("views of an impostor", () => {
 describe("atlas", () => {
   test("views do not overlap and fill the picture", () => {
     const taken = new Set<string>();
-    for (let view = 0; view < VIEWS * VIEWS; view++) {
+    for (let view = 0; view < VIEWS_PER_SIDE * VIEWS_PER_SIDE; view++) {
       const { left, bottom, side } = viewport(view, COLOUR_SIDE);
       expect(side).toBe(COLOUR_SIDE);
-      expect(Math.max(left, bottom) + side).toBeLessThanOrEqual(VIEWS * COLOUR_SIDE);
+      expect(Math.max(left, bottom) + side).toBeLessThanOrEqual(VIEWS_PER_SIDE * COLOUR_SIDE);
       taken.add(`${left / side} ${bottom / side}`);
     }
-    expect(taken.size).toBe(VIEWS * VIEWS);
+    expect(taken.size).toBe(VIEWS_PER_SIDE * VIEWS_PER_SIDE);
   });
 
   test("all impostors together take less than 32 MB of graphics memory, also while they are baked", () => {
@@ -189,7 +189,7 @@ describe("background forest", () => {
   ])("goes on beyond %i planted trees without a gap, an overlap or a tree in the glade", (count, seed, density) => {
     const planted = placeTrees(count, seed, density);
     const edge_m = edgeOf(count, seed, density);
-    const far = farPlaces(edge_m, seed, density, THINNING.high);
+    const far = farPlaces(edge_m, seed, density, THINNING_LEVELS.high);
     const ids = new Set(planted.map(({ id }) => id));
     expect(far.some(({ id }) => ids.has(id))).toBe(false);
     expect(far.every(({ x_m, z_m }) => glade(x_m, z_m) < 0.5)).toBe(true);
@@ -207,7 +207,7 @@ describe("background forest", () => {
 
   test("beside the edge it is as dense as the simulated forest, and it thins out", () => {
     const edge_m = edgeOf(400, 7);
-    const far = farPlaces(edge_m, 7, 1, THINNING.high);
+    const far = farPlaces(edge_m, 7, 1, THINNING_LEVELS.high);
     const whole = placeTrees(1000, 7).filter((place) => reach_m(place) > edge_m);
     const reach = Math.max(...whole.map(reach_m));
     expect(far.filter((place) => reach_m(place) <= reach).map(({ id }) => id).sort()).toEqual(
@@ -215,15 +215,15 @@ describe("background forest", () => {
     );
     let before = 1;
     for (let from_m = 0; from_m < REACH_M; from_m += 10) {
-      const share = shareOfPlaces(from_m, THINNING.low);
+      const share = shareOfPlaces(from_m, THINNING_LEVELS.low);
       expect(share).toBeLessThanOrEqual(before);
       before = share;
     }
-    expect(before).toBe(THINNING.low.least);
+    expect(before).toBe(THINNING_LEVELS.low.least);
   });
 
   test("shows no regular grid: the places have no preferred phase, and the distances between them vary", () => {
-    const far = farPlaces(80, 7, 1, THINNING.medium);
+    const far = farPlaces(80, 7, 1, THINNING_LEVELS.medium);
     for (const phases of [far.map(({ x_m }) => x_m / SPACING_M), far.map(({ z_m }) => z_m / (0.9 * SPACING_M))]) {
       const mean = (of: (turns: number) => number) =>
         phases.reduce((sum, turns) => sum + of(2 * Math.PI * turns), 0) / phases.length;
@@ -254,7 +254,7 @@ describe("background forest", () => {
       tree("maple-forest", "maple", "forest"),
       tree("mine", null, "open", false),
     ];
-    const far = farPlaces(60, 7, 1, THINNING.high);
+    const far = farPlaces(60, 7, 1, THINNING_LEVELS.high);
     const chosen = plantFar(trees, far, {});
     const usual = plant(trees.slice(0, 4), far, {});
     const kinds = kindsOf(trees.slice(0, 4));

@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import { SCALES } from "../../web/player/src/inventory/places";
 import { type StandStem, placeStand, standView } from "../../web/src/scene/stand";
 import type { TreeAsset } from "../../web/src/scene/forest";
-import { HEART } from "../../web/src/scene/placement";
+import { FOREST_CENTRE } from "../../web/src/scene/placement";
 import type { TreeModel } from "../../web/player/src/trees/mesh/treeMesh";
 
 const asset = (id: string, species: string, form: "open" | "forest", height_m: number, builtin = true): TreeAsset => ({
@@ -40,8 +40,8 @@ describe("stems of an inventory", () => {
   test("stand at their places, north away from the viewer, as tall as measured", () => {
     const { m } = place([stem({ east_m: 7, north_m: 3, height_m: 15 })]);
     expect(m).toHaveLength(1);
-    expect(m[0].x_m).toBeCloseTo(HEART.x_m + 7, 5);
-    expect(m[0].z_m).toBeCloseTo(HEART.z_m - 3, 5);
+    expect(m[0].x_m).toBeCloseTo(FOREST_CENTRE.x_m + 7, 5);
+    expect(m[0].z_m).toBeCloseTo(FOREST_CENTRE.z_m - 3, 5);
     expect(12 * m[0].scale).toBeCloseTo(15, 5);
   });
 
@@ -70,9 +70,9 @@ describe("stems of an inventory", () => {
 test("the camera has the whole plot in its width", () => {
   for (const aspect of [0.46, 1, 1.78]) {
     const { eye, target } = standView({ width_m: 60, depth_m: 50, highest_m: 20 }, aspect);
-    const reach = Math.tan((23 * Math.PI) / 180) * aspect * (eye.z - (HEART.z_m + 25));
-    expect(HEART.x_m + 0.85 * 30).toBeLessThan(target.x + reach);
-    expect(HEART.x_m - 0.85 * 30).toBeGreaterThan(target.x - reach);
-    expect(eye.z).toBeGreaterThan(HEART.z_m + 25);
+    const reach = Math.tan((23 * Math.PI) / 180) * aspect * (eye.z - (FOREST_CENTRE.z_m + 25));
+    expect(FOREST_CENTRE.x_m + 0.85 * 30).toBeLessThan(target.x + reach);
+    expect(FOREST_CENTRE.x_m - 0.85 * 30).toBeGreaterThan(target.x - reach);
+    expect(eye.z).toBeGreaterThan(FOREST_CENTRE.z_m + 25);
   }
 });

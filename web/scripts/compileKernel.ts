@@ -4,7 +4,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import asc from "assemblyscript/asc";
 
-const FOLDER = join(dirname(fileURLToPath(import.meta.url)), "../kernel");
+const KERNEL_FOLDER = join(dirname(fileURLToPath(import.meta.url)), "../kernel");
 /**
  * The caller provides the memory; nothing is allocated, so no garbage collector is needed. `s`: code that is repeated less; a
  * quarter smaller, and no slower.
@@ -17,7 +17,7 @@ export async function compileKernel(): Promise<Uint8Array> {
   const { error, stderr } = await asc.main(["modal.ts", ...OPTIONS, "--outFile", "modal.wasm"], {
     readFile: (name) => {
       try {
-        return readFileSync(join(FOLDER, name), "utf8");
+        return readFileSync(join(KERNEL_FOLDER, name), "utf8");
       } catch {
         return null;
       }

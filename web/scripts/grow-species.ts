@@ -5,21 +5,21 @@ import { growSpecies } from "./species/grow";
 import { SPECIES } from "./species/parameters";
 import type { Species } from "./species/species";
 
-const FOLDER = resolve(import.meta.dirname, "../../assets/species");
+const SPECIES_FOLDER = resolve(import.meta.dirname, "../../assets/species");
 const CREDITS =
   "Galewood (MIT); skeleton grown with @dgreenheck/ez-tree (MIT); leaves and bark drawn by our script";
 
 async function write(species: Species): Promise<void> {
   const { glb, skeleton, nodes, wood, twigs, leaves } = await growSpecies(species);
-  writeFileSync(`${FOLDER}/${species.id}.glb`, glb);
-  writeFileSync(`${FOLDER}/${species.id}.skeleton.json`, skeleton);
+  writeFileSync(`${SPECIES_FOLDER}/${species.id}.glb`, glb);
+  writeFileSync(`${SPECIES_FOLDER}/${species.id}.skeleton.json`, skeleton);
   const branchCount = new Set(nodes.map((node) => node.branch)).size;
   const [w, t, l] = [wood, twigs, leaves].map(({ indices }) => indices.length / 3);
   const triangles = `${w} wood, ${t} twig and ${l} leaf triangles`;
   console.log(`${species.id}: ${branchCount} branches, ${triangles}, ${(glb.length / 1e6).toFixed(2)} MB`);
 }
 
-mkdirSync(FOLDER, { recursive: true });
+mkdirSync(SPECIES_FOLDER, { recursive: true });
 const wanted = process.argv.slice(3);
 for (const species of SPECIES) if (wanted.length === 0 || wanted.includes(species.id)) await write(species);
 const list = SPECIES.map(({ id, name, wood, form, height_m }) => ({
@@ -31,4 +31,4 @@ const list = SPECIES.map(({ id, name, wood, form, height_m }) => ({
   height_m,
   credits: CREDITS,
 }));
-writeFileSync(`${FOLDER}/species.json`, `${JSON.stringify(list, null, 2)}\n`);
+writeFileSync(`${SPECIES_FOLDER}/species.json`, `${JSON.stringify(list, null, 2)}\n`);

@@ -4,7 +4,7 @@ import { join, resolve } from "node:path";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import type { Plugin } from "vite";
 
-const COMPRESSIBLE = /\.(js|css|html|svg|json|wasm)$/;
+const COMPRESSIBLE_PATTERN = /\.(js|css|html|svg|json|wasm)$/;
 /** Smaller files fit into one packet anyway. */
 const SMALLEST_BYTES = 1000;
 
@@ -26,7 +26,7 @@ export function precompress(): Plugin {
     },
     closeBundle() {
       for (const name of readdirSync(folder, { recursive: true, encoding: "utf8" })) {
-        if (COMPRESSIBLE.test(name)) compress(join(folder, name));
+        if (COMPRESSIBLE_PATTERN.test(name)) compress(join(folder, name));
       }
     },
   };

@@ -5,7 +5,7 @@
 import { chromium } from "@playwright/test";
 import { LAUNCH } from "../../tests/e2e/chromium";
 import { film } from "./pictures/film";
-import { forest, LOOK, PATIENCE_MS, TINY, take } from "./pictures/page";
+import { forest, LOOK_QUERY, PATIENCE_MS, TINY_VIEWPORT, take } from "./pictures/page";
 import { PANELS } from "./pictures/panels";
 import { SHOTS } from "./pictures/shots";
 
@@ -14,10 +14,10 @@ const wants = (name: string) => wanted.length === 0 || wanted.includes(name);
 const args = process.env.GPU ? ["--no-sandbox"] : LAUNCH.args;
 const browser = await chromium.launch({ ...LAUNCH, args });
 try {
-  const page = await browser.newPage({ viewport: TINY });
+  const page = await browser.newPage({ viewport: TINY_VIEWPORT });
   page.setDefaultTimeout(PATIENCE_MS);
   const shots = Object.entries(SHOTS).filter(([name]) => wants(name));
-  if (shots.length > 0) await forest(page, `${LOOK}&speed=7&panel=0`);
+  if (shots.length > 0) await forest(page, `${LOOK_QUERY}&speed=7&panel=0`);
   for (const [name, shot] of shots) await take(page, name, shot);
   for (const [name, panel] of Object.entries(PANELS)) if (wants(name)) await panel(page, browser);
   if (wants("film")) await film(page);

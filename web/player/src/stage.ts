@@ -19,14 +19,14 @@ import type { Forest } from "./three/forest";
 const SPACING_M = 5;
 /** Turns each tree on by the golden angle, which also spreads them evenly. */
 const TURN_RAD = 2.399963;
-const SKYWARD = new Vector3(0, 1, 0);
+const SKY_DIRECTION = new Vector3(0, 1, 0);
 
 /** Places on a spiral, each tree turned and sized differently. */
 export function places(count: number): Matrix4[] {
   return Array.from({ length: count }, (_, k) => {
     const [radius_m, angle_rad] = [SPACING_M * Math.sqrt(k), TURN_RAD * k];
     const spot = new Vector3(radius_m * Math.cos(angle_rad), 0, radius_m * Math.sin(angle_rad));
-    const turn = new Quaternion().setFromAxisAngle(SKYWARD, 5 * angle_rad);
+    const turn = new Quaternion().setFromAxisAngle(SKY_DIRECTION, 5 * angle_rad);
     const size = 0.85 + 0.3 * ((0.618034 * k) % 1);
     return new Matrix4().compose(spot, turn, new Vector3(size, size, size));
   });

@@ -16,7 +16,7 @@ export {
   type Tint,
 } from "./trees/instanceData";
 export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
-export { ALWAYS, LOT_SHADER, MISSING } from "./trees/lotShader";
+export { COMMON_LOT, LOT_SHADER, MISSING_BRANCH_SHARE } from "./trees/lotShader";
 export { type BornePart, boughsOf, STEM } from "./trees/mesh/boughs";
 export type { Components } from "./trees/mesh/components";
 export {

@@ -8,23 +8,23 @@ const NAMES: Readonly<Record<PresetName, string>> = {
   "storm-front": "Storm front",
 };
 /** The option of a wind that is no preset. */
-const OTHER = "";
+const OTHER_OPTION = "";
 const STRONGEST_M_S = 40;
 /** A preset stays chosen when it is only made stronger, weaker or turned. */
-const ADJUSTED: readonly string[] = ["mean_speed_m_s", "direction_deg"];
+const ADJUSTED_FIELDS: readonly string[] = ["mean_speed_m_s", "direction_deg"];
 
 function sameButAdjusted(wind: WindDocument, preset: WindDocument): boolean {
   const fixed = (document: WindDocument) =>
     JSON.stringify(
       Object.entries(document)
-        .filter(([name]) => !ADJUSTED.includes(name))
+        .filter(([name]) => !ADJUSTED_FIELDS.includes(name))
         .sort(),
     );
   return fixed(wind) === fixed(preset);
 }
 
-const presetOf = (wind: WindDocument): PresetName | typeof OTHER =>
-  (Object.keys(PRESETS) as PresetName[]).find((name) => sameButAdjusted(wind, PRESETS[name])) ?? OTHER;
+const presetOf = (wind: WindDocument): PresetName | typeof OTHER_OPTION =>
+  (Object.keys(PRESETS) as PresetName[]).find((name) => sameButAdjusted(wind, PRESETS[name])) ?? OTHER_OPTION;
 
 function labelled(text: string, ...controls: HTMLElement[]): HTMLLabelElement {
   const label = document.createElement("label");
@@ -56,7 +56,7 @@ export class WindControls {
     this.element.style.cssText =
       "display:flex;flex-wrap:wrap;gap:0.4em 1.4em;padding:0.4em 0;font:13px sans-serif";
     for (const name of Object.keys(NAMES) as PresetName[]) this.presets.append(new Option(NAMES[name], name));
-    const other = new Option("Other", OTHER);
+    const other = new Option("Other", OTHER_OPTION);
     other.disabled = true;
     this.presets.append(other);
     for (const text of [this.speedText, this.directionText])

@@ -4,8 +4,8 @@ import { openPage, untilMoving } from "./page";
 import { type Figure, median } from "./report";
 import { scriptTimes_ms } from "./script";
 
-const ROUNDS = 5;
-const BLOCK = { frames: 5, longest_ms: 6000, least_ms: 400 };
+const ROUND_COUNT = 5;
+const FRAME_BLOCK = { frames: 5, longest_ms: 6000, least_ms: 400 };
 
 interface Cost {
   readonly frame_ms: number;
@@ -22,13 +22,13 @@ async function processor_ms(session: CDPSession): Promise<number> {
 async function block(page: Page, session: CDPSession, still: boolean): Promise<Cost> {
   await draw(page, still, { frames: 1, longest_ms: 0, least_ms: 0 });
   const before_ms = await processor_ms(session);
-  const { frames, time_ms } = await draw(page, still, BLOCK);
+  const { frames, time_ms } = await draw(page, still, FRAME_BLOCK);
   const used_ms = (await processor_ms(session)) - before_ms;
   return { frame_ms: time_ms / frames, processor_ms: used_ms / frames };
 }
 
 /** Draws one block of frames. */
-function draw(page: Page, still: boolean, length: typeof BLOCK) {
+function draw(page: Page, still: boolean, length: typeof FRAME_BLOCK) {
   return page.evaluate(
     async ({ still, frames, longest_ms, least_ms }) => {
       const forest = window.galewood;
@@ -63,7 +63,7 @@ export async function measureFrames(
   const session = await browser.newBrowserCDPSession();
   await block(page, session, true); // compiles the static shaders
   const [moving, still]: Cost[][] = [[], []];
-  for (let round = 0; round < ROUNDS; round++) {
+  for (let round = 0; round < ROUND_COUNT; round++) {
     moving.push(await block(page, session, false));
     still.push(await block(page, session, true));
   }

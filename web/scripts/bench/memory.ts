@@ -3,7 +3,7 @@ import type { Browser } from "@playwright/test";
 import { openPage, untilMoving } from "./page";
 import type { Figure } from "./report";
 
-const SAMPLES = 6;
+const SAMPLE_COUNT = 6;
 
 export async function measureMemory(browser: Browser, base: string, minutes: number): Promise<Figure[]> {
   const page = await openPage(browser, base, "trees=400");
@@ -21,15 +21,15 @@ export async function measureMemory(browser: Browser, base: string, minutes: num
   };
   await page.waitForTimeout(3000);
   const all = [await heap_MB()];
-  for (let k = 0; k < SAMPLES; k++) {
-    await page.waitForTimeout((minutes * 60_000) / SAMPLES);
+  for (let k = 0; k < SAMPLE_COUNT; k++) {
+    await page.waitForTimeout((minutes * 60_000) / SAMPLE_COUNT);
     all.push(await heap_MB());
   }
   await page.close();
-  const growth = (all[SAMPLES] - all[0]) / minutes;
+  const growth = (all[SAMPLE_COUNT] - all[0]) / minutes;
   return [
     { name: "heap at first", value: all[0], unit: "MB" },
-    { name: `heap after ${minutes} min`, value: all[SAMPLES], unit: "MB", all },
+    { name: `heap after ${minutes} min`, value: all[SAMPLE_COUNT], unit: "MB", all },
     { name: "heap growth", value: growth, unit: "MB/min" },
   ];
 }

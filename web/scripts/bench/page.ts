@@ -1,7 +1,7 @@
 /** Instrumented page: script time of every frame, and bytes uploaded to the GPU. */
 import type { Browser, Page } from "@playwright/test";
 
-const SIZE = { width: 320, height: 180 };
+const PAGE_SIZE = { width: 320, height: 180 };
 
 /** Measurements, stored on the page's window. */
 export interface Counted {
@@ -66,7 +66,7 @@ function instrument(): void {
 }
 
 export async function openPage(browser: Browser, base: string, query: string): Promise<Page> {
-  const page = await browser.newPage({ viewport: SIZE });
+  const page = await browser.newPage({ viewport: PAGE_SIZE });
   page.on("pageerror", (error) => console.error(`page: ${error.message}`));
   await page.addInitScript(instrument);
   await page.goto(`${base}/?panel=0&quality=low&flutter=0&speed=8&${query}`);

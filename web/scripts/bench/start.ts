@@ -4,7 +4,7 @@ import type { Browser } from "@playwright/test";
 import { openPage } from "./page";
 import { type Figure, median } from "./report";
 
-const VISITS = 3;
+const VISIT_COUNT = 3;
 
 async function visit(browser: Browser, base: string) {
   const scripts = new Set<string>();
@@ -37,7 +37,7 @@ async function compressedBytes(url: string): Promise<number> {
 export async function measureStart(browser: Browser, base: string): Promise<Figure[]> {
   const cold = await visit(browser, base);
   const visits = [];
-  for (let k = 0; k < VISITS; k++) visits.push(await visit(browser, base));
+  for (let k = 0; k < VISIT_COUNT; k++) visits.push(await visit(browser, base));
   const sizes = await Promise.all([...cold.scripts].map(compressedBytes));
   const paint = visits.map(({ paint_ms }) => paint_ms / 1000);
   const moving = visits.map(({ moving_ms }) => moving_ms / 1000);

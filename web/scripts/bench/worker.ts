@@ -6,10 +6,10 @@ import type { Browser, Page } from "@playwright/test";
 import { openPage, untilMoving } from "./page";
 import { type Figure, median } from "./report";
 
-const TREES = 10_000;
-const FRAMES = 90;
+const TREE_COUNT = 10_000;
+const FRAME_COUNT = 90;
 const FRAME_S = 1 / 30;
-const DEFAULT = "modal";
+const DEFAULT_METHOD = "modal";
 const MODELS = ["cosine", "perlin", "spectral", "navier-stokes"] as const;
 
 /** Worker times of the next frames (ms), at the regular frame rate. */
@@ -42,22 +42,22 @@ async function untilPaper(page: Page): Promise<void> {
 }
 
 async function method(browser: Browser, base: string, name: string): Promise<Figure[]> {
-  const page = await openPage(browser, base, `trees=${TREES}&method=${name}`);
+  const page = await openPage(browser, base, `trees=${TREE_COUNT}&method=${name}`);
   await untilMoving(page);
   if (name === "paper") await untilPaper(page);
   await page.evaluate(() => window.galewood?.sleep(true));
   await sample(page, 60); // warm-up, until the trees move
-  const all = (await sample(page, FRAMES)).map(({ total_ms }) => total_ms);
+  const all = (await sample(page, FRAME_COUNT)).map(({ total_ms }) => total_ms);
   const figures: Figure[] = [
     {
       name: `worker, ${name}, 10,000 trees`,
       value: median(all),
       unit: "ms/frame",
       all,
-      ...(name === DEFAULT && { most: 8 }),
+      ...(name === DEFAULT_METHOD && { most: 8 }),
     },
   ];
-  if (name === DEFAULT) for (const model of MODELS) figures.push(await wind(page, model));
+  if (name === DEFAULT_METHOD) for (const model of MODELS) figures.push(await wind(page, model));
   await page.close();
   return figures;
 }
@@ -69,7 +69,7 @@ async function wind(page: Page, model: string): Promise<Figure> {
     window.galewood?.setWind({ ...plain, model, ...scale });
   }, model);
   await sample(page, 150); // transition and warm-up
-  const times = (await sample(page, FRAMES)).map(({ wind_ms }) => wind_ms);
+  const times = (await sample(page, FRAME_COUNT)).map(({ wind_ms }) => wind_ms);
   return {
     name: `worker, wind ${model}, 10,000 trees`,
     value: median(times),
@@ -80,5 +80,5 @@ async function wind(page: Page, model: string): Promise<Figure> {
 }
 
 export async function measureWorker(browser: Browser, base: string): Promise<Figure[]> {
-  return [...(await method(browser, base, DEFAULT)), ...(await method(browser, base, "paper"))];
+  return [...(await method(browser, base, DEFAULT_METHOD)), ...(await method(browser, base, "paper"))];
 }

@@ -4,21 +4,21 @@ import { resolve } from "node:path";
 import type { Page } from "@playwright/test";
 import type { Shot } from "./shots";
 
-export const BASE = process.env.BASE_URL ?? "http://127.0.0.1:8000";
-export const FOLDER = process.env.FOLDER ?? resolve(import.meta.dirname, "../../../docs/images");
-export const LARGE = { width: 1200, height: 675 };
+export const BASE_URL = process.env.BASE_URL ?? "http://127.0.0.1:8000";
+export const PICTURES_FOLDER = process.env.FOLDER ?? resolve(import.meta.dirname, "../../../docs/images");
+export const LARGE_VIEWPORT = { width: 1200, height: 675 };
 /** Viewport while time advances and nothing is shown. */
-export const TINY = { width: 96, height: 54 };
+export const TINY_VIEWPORT = { width: 96, height: 54 };
 export const PATIENCE_MS = 900_000;
 const STEP_S = 0.05;
 const QUALITIES = [84, 78, 70, 60];
 const MOST_BYTES = 300_000;
 
-export const LOOK = `quality=${process.env.QUALITY ?? "medium"}&trees=${process.env.TREES ?? 320}&density=1.2`;
+export const LOOK_QUERY = `quality=${process.env.QUALITY ?? "medium"}&trees=${process.env.TREES ?? 320}&density=1.2`;
 
 /** Opens a forest, waits until every tree moves, and stops its frame loop. */
 export async function forest(page: Page, query: string): Promise<void> {
-  await page.goto(`${BASE}/?${query}`, { waitUntil: "commit" });
+  await page.goto(`${BASE_URL}/?${query}`, { waitUntil: "commit" });
   await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0);
   await page.waitForFunction(() => window.galewood?.trees.still === 0 && window.galewood.time_s > 0);
   await page.waitForFunction(() => window.galewood?.statistics.impostors.ready);
@@ -84,7 +84,7 @@ export async function drawn(page: Page, frames = 2): Promise<void> {
 
 /** Saves a screenshot at the best quality that fits the size limit. */
 export async function save(page: Page, name: string): Promise<void> {
-  const path = `${FOLDER}/${name}.jpg`;
+  const path = `${PICTURES_FOLDER}/${name}.jpg`;
   for (const quality of QUALITIES) {
     const bytes = await page.screenshot({ path, type: "jpeg", quality, timeout: PATIENCE_MS });
     if (bytes.length <= MOST_BYTES) break;
@@ -94,13 +94,13 @@ export async function save(page: Page, name: string): Promise<void> {
 
 /** Saves a picture. The viewport is small while time advances, to save time, and large for the picture. */
 export async function take(page: Page, name: string, shot: Shot): Promise<void> {
-  await resize(page, TINY);
+  await resize(page, TINY_VIEWPORT);
   await dress(page, shot);
   await steps(page, Math.round(shot.after_s / STEP_S));
-  await resize(page, LARGE);
+  await resize(page, LARGE_VIEWPORT);
   for (const quality of QUALITIES) {
     const bytes = await frame(page, 0, "image/jpeg", quality / 100);
-    writeFileSync(`${FOLDER}/${name}.jpg`, bytes);
+    writeFileSync(`${PICTURES_FOLDER}/${name}.jpg`, bytes);
     if (bytes.length <= MOST_BYTES) break;
   }
   console.log(`${name}.jpg`);

@@ -2,13 +2,23 @@
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import type { Browser, Page } from "@playwright/test";
-import { drawn, forest, LARGE, LOOK, PATIENCE_MS, resize, save, steps, TINY } from "./page";
+import {
+  drawn,
+  forest,
+  LARGE_VIEWPORT,
+  LOOK_QUERY,
+  PATIENCE_MS,
+  resize,
+  save,
+  steps,
+  TINY_VIEWPORT,
+} from "./page";
 
 const OWN_TREE = resolve(import.meta.dirname, "../../../assets/species/apricot.glb");
 
 async function whole(page: Page): Promise<void> {
-  await page.setViewportSize(LARGE);
-  await forest(page, `${LOOK}&speed=7&time=0.7`);
+  await page.setViewportSize(LARGE_VIEWPORT);
+  await forest(page, `${LOOK_QUERY}&speed=7&time=0.7`);
   await drawn(page);
   await save(page, "page");
 }
@@ -16,7 +26,7 @@ async function whole(page: Page): Promise<void> {
 /** A nearby tree of the initial view, selected. */
 async function picked(page: Page): Promise<void> {
   await page.setViewportSize({ width: 480, height: 270 });
-  await forest(page, `${LOOK}&speed=11&time=0.62&panel=1`);
+  await forest(page, `${LOOK_QUERY}&speed=11&time=0.62&panel=1`);
   await steps(page, 40);
   const found = await page.evaluate(() => {
     for (let x = 0.42 * innerWidth; x < 0.95 * innerWidth; x += 6) {
@@ -32,14 +42,14 @@ async function picked(page: Page): Promise<void> {
   }, found);
   await page.waitForFunction(() => document.querySelectorAll(".picked img").length > 0);
   await steps(page, 60, 0.1); // fills the plot of the tip displacement
-  await resize(page, LARGE);
+  await resize(page, LARGE_VIEWPORT);
   await drawn(page);
   await save(page, "inspect");
 }
 
 /** Takes minutes, because the server computes the reference solution first. */
 async function compared(page: Page): Promise<void> {
-  await page.setViewportSize(LARGE);
+  await page.setViewportSize(LARGE_VIEWPORT);
   await forest(page, "quality=low&trees=6&speed=12&time=0.6");
   await page.locator("#tools").getByRole("button", { name: "Check accuracy" }).click();
   await page.waitForFunction(() =>
@@ -52,7 +62,7 @@ async function compared(page: Page): Promise<void> {
 
 /** Uploads a built-in tree with one byte changed, so that the server does not recognize it. */
 async function uploaded(page: Page): Promise<void> {
-  await page.setViewportSize(LARGE);
+  await page.setViewportSize(LARGE_VIEWPORT);
   await forest(page, "quality=low&trees=6&speed=5&time=0.6");
   const buffer = readFileSync(OWN_TREE);
   const at = buffer.indexOf('"generator":"') + 13;
@@ -67,7 +77,7 @@ async function uploaded(page: Page): Promise<void> {
 }
 
 async function known(page: Page): Promise<void> {
-  await page.setViewportSize(LARGE);
+  await page.setViewportSize(LARGE_VIEWPORT);
   await forest(page, "quality=low&trees=6&speed=5&time=0.6");
   await page.locator("#tools").getByRole("button", { name: "Tree physics" }).click();
   await save(page, "trees");
@@ -75,7 +85,7 @@ async function known(page: Page): Promise<void> {
 
 async function phone(browser: Browser): Promise<void> {
   const page = await browser.newPage({
-    viewport: TINY,
+    viewport: TINY_VIEWPORT,
     deviceScaleFactor: 1.5,
     hasTouch: true,
     isMobile: true,

@@ -12,7 +12,7 @@ export interface Shot {
   readonly after_s: number;
 }
 
-export const STORM = {
+export const STORM_WIND = {
   version: 1,
   direction_deg: 20,
   seed: 1,
@@ -23,13 +23,13 @@ export const STORM = {
   length_scale_m: 40,
 };
 
-const EDGE = { eye: { x: 7, above: 8.2, z: 24 }, at: { x: -1, above: 6.2, z: -16 } };
-const LOW = { eye: { x: 5, above: 3.6, z: 10 }, at: { x: -1, above: 6, z: -14 } };
+const EDGE_VIEW = { eye: { x: 7, above: 8.2, z: 24 }, at: { x: -1, above: 6.2, z: -16 } };
+const LOW_VIEW = { eye: { x: 5, above: 3.6, z: 10 }, at: { x: -1, above: 6, z: -14 } };
 
 export const SHOTS: Readonly<Record<string, Shot>> = {
-  "autumn-noon": { season: "autumn", daytime: 0.6, ...EDGE, after_s: 1 },
-  "autumn-sunset": { season: "autumn", daytime: 0.955, ...LOW, after_s: 1 },
-  winter: { season: "winter", daytime: 0.3, ...EDGE, after_s: 1 },
+  "autumn-noon": { season: "autumn", daytime: 0.6, ...EDGE_VIEW, after_s: 1 },
+  "autumn-sunset": { season: "autumn", daytime: 0.955, ...LOW_VIEW, after_s: 1 },
+  winter: { season: "winter", daytime: 0.3, ...EDGE_VIEW, after_s: 1 },
   summer: {
     season: "summer",
     daytime: 0.42,
@@ -37,5 +37,5 @@ export const SHOTS: Readonly<Record<string, Shot>> = {
     at: { x: -9, above: 6.5, z: -24 },
     after_s: 1,
   },
-  storm: { season: "autumn", daytime: 0.72, ...LOW, wind: STORM, after_s: 8 },
+  storm: { season: "autumn", daytime: 0.72, ...LOW_VIEW, wind: STORM_WIND, after_s: 8 },
 };

@@ -20,7 +20,7 @@ const BARK_WIDTH = 384;
 const BARK_HEIGHT = 768;
 
 /** Rounds in which the height of the wood is found at which the leaves end at the height of the tree. */
-const ROUNDS = 4;
+const ROUND_COUNT = 4;
 
 interface Grown extends TreeMeshes {
   nodes: SkeletonNode[];
@@ -45,7 +45,7 @@ function atHeight(species: Species, wood_height_m: number): Grown {
 export function growTree(species: Species): Grown {
   let height_m = 0.94 * species.height_m;
   let grown = atHeight(species, height_m);
-  for (let round = 0; round < ROUNDS; round++) {
+  for (let round = 0; round < ROUND_COUNT; round++) {
     height_m += species.height_m - Math.max(...[grown.wood, grown.twigs, grown.leaves].map(topOf));
     grown = atHeight(species, height_m);
   }

@@ -4,18 +4,18 @@ import { blank, bleed, type Colour, halve, type Picture } from "./picture";
 import { type Random, seededRandom } from "./random";
 import { growShoots, type Leaf, placeLeaves, type Shoot } from "./shoots";
 
-const TILE = 512;
-const OVERSAMPLING = 2;
+const TILE_PX = 512;
+const OVERSAMPLING_FACTOR = 2;
 
 /** Four different shoots in a 2 × 2 atlas of 1024 pixels, drawn at double size. */
 export function leafPicture(look: LeafLook, seed: number): Picture {
-  const large = blank(2 * TILE * OVERSAMPLING, 2 * TILE * OVERSAMPLING);
+  const large = blank(2 * TILE_PX * OVERSAMPLING_FACTOR, 2 * TILE_PX * OVERSAMPLING_FACTOR);
   for (let tile = 0; tile < 4; tile++) drawTile(large, look, tile, seededRandom(seed + 7919 * tile));
   return bleed(halve(large));
 }
 
 function drawTile(picture: Picture, look: LeafLook, tile: number, random: Random): void {
-  const size = TILE * OVERSAMPLING;
+  const size = TILE_PX * OVERSAMPLING_FACTOR;
   const frame = new Frame(picture, (tile % 2) * size, Math.floor(tile / 2) * size, size);
   const shoots = growShoots(random);
   for (const shoot of shoots) drawStem(frame, shoot, look.stem);
@@ -38,7 +38,7 @@ class Frame {
 
   /** Calls `paint` with the card coordinates and pixel offset of every pixel in the box. */
   each(low: LeafPoint, high: LeafPoint, paint: (x: number, y: number, at: number) => void): void {
-    const margin = 6 * OVERSAMPLING;
+    const margin = 6 * OVERSAMPLING_FACTOR;
     const clamp = (v: number): number =>
       Math.round(Math.min(this.size - margin, Math.max(margin, v * this.size)));
     for (let row = this.size - clamp(high[1]); row < this.size - clamp(low[1]); row++) {

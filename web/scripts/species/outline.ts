@@ -7,15 +7,17 @@ export type Outline = readonly LeafPoint[];
 /** Crossings of many rows with the outline of the blade, for a fast point test. */
 type OutlineRows = readonly (readonly number[])[];
 
-const ROWS = 1024;
-const LOWEST = -0.2;
-const ROW_HEIGHT = 1.4 / ROWS;
+const ROW_COUNT = 1024;
+const LOWEST_HEIGHT_SHARE = -0.2;
+const ROW_HEIGHT = 1.4 / ROW_COUNT;
 const rowsOf = new WeakMap<Outline, OutlineRows>();
 
 function outlineRows(outline: Outline): OutlineRows {
   const known = rowsOf.get(outline);
   if (known) return known;
-  const rows = Array.from({ length: ROWS }, (_, k) => crossings(outline, LOWEST + (k + 0.5) * ROW_HEIGHT));
+  const rows = Array.from({ length: ROW_COUNT }, (_, k) =>
+    crossings(outline, LOWEST_HEIGHT_SHARE + (k + 0.5) * ROW_HEIGHT),
+  );
   rowsOf.set(outline, rows);
   return rows;
 }
@@ -32,7 +34,7 @@ function crossings(outline: Outline, y: number): number[] {
 
 /** Even-odd point test; `x` is the distance from the midrib. */
 export function insideLeaf(outline: Outline, x: number, y: number): boolean {
-  const row = outlineRows(outline)[Math.floor((y - LOWEST) / ROW_HEIGHT)] ?? [];
+  const row = outlineRows(outline)[Math.floor((y - LOWEST_HEIGHT_SHARE) / ROW_HEIGHT)] ?? [];
   let within = false;
   for (const edge of row) if (x < edge) within = !within;
   return within;

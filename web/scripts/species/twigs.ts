@@ -43,9 +43,9 @@ export interface GrownTwigs {
 }
 
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
-const SIDES = 3;
+const SIDE_COUNT = 3;
 /** An inscribed triangle would be too thin: the corners of one of the circle's area. */
-const FULL_AREA = Math.sqrt((2 * Math.PI) / (SIDES * Math.sin((2 * Math.PI) / SIDES)));
+const FULL_AREA = Math.sqrt((2 * Math.PI) / (SIDE_COUNT * Math.sin((2 * Math.PI) / SIDE_COUNT)));
 /** Radius at the last node relative to the base, and most of the limb's radius that a twig has. */
 const LAST_RADIUS = 0.4;
 const MOST_OF_LIMB = 0.75;
@@ -137,8 +137,8 @@ function addRing(mesh: SurfaceMesh, centre: Vector3, along: Vector3, radius: num
   const helper = Math.abs(along.y) > 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
   const side = new Vector3().crossVectors(along, helper).normalize();
   const first = mesh.positions.length / 3;
-  for (let k = 0; k < SIDES; k++) {
-    const normal = side.clone().applyAxisAngle(along, (2 * Math.PI * k) / SIDES);
+  for (let k = 0; k < SIDE_COUNT; k++) {
+    const normal = side.clone().applyAxisAngle(along, (2 * Math.PI * k) / SIDE_COUNT);
     const point = centre.clone().addScaledVector(normal, radius * FULL_AREA);
     mesh.positions.push(point.x, point.y, point.z);
     mesh.normals.push(normal.x, normal.y, normal.z);
@@ -157,8 +157,8 @@ function addTip(mesh: SurfaceMesh, tip: Vector3, direction: Vector3): number {
 function closeShoot(mesh: SurfaceMesh, rings: number[], tip: Vector3): void {
   for (let i = 0; i + 1 < rings.length; i++) {
     const [low, high] = [rings[i], rings[i + 1]];
-    for (let k = 0; k < SIDES; k++) {
-      const n = (k + 1) % SIDES;
+    for (let k = 0; k < SIDE_COUNT; k++) {
+      const n = (k + 1) % SIDE_COUNT;
       mesh.indices.push(low + k, low + n, high + n, low + k, high + n, high + k);
     }
   }
@@ -174,5 +174,5 @@ function closeSide(mesh: SurfaceMesh, ring: number, tip: Vector3, joint: Vector3
 }
 
 function addCone(mesh: SurfaceMesh, ring: number, tip: number): void {
-  for (let k = 0; k < SIDES; k++) mesh.indices.push(ring + k, ring + ((k + 1) % SIDES), tip);
+  for (let k = 0; k < SIDE_COUNT; k++) mesh.indices.push(ring + k, ring + ((k + 1) % SIDE_COUNT), tip);
 }

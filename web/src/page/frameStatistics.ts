@@ -14,7 +14,7 @@ export interface Statistics {
   frameAge: string;
 }
 
-const SHARE = 0.08;
+const NEWEST_SHARE = 0.08;
 /** Displays refresh a little early or late; a limited frame may come this much early. */
 const EARLY_MS = 1;
 
@@ -40,8 +40,8 @@ export class FrameStatistics {
   count(frame_ms: number, script_ms: number): void {
     const { statistics } = this;
     const first = statistics.frame_ms === 0;
-    statistics.frame_ms += (first ? 1 : SHARE) * (frame_ms - statistics.frame_ms);
-    statistics.script_ms += (first ? 1 : SHARE) * (script_ms - statistics.script_ms);
+    statistics.frame_ms += (first ? 1 : NEWEST_SHARE) * (frame_ms - statistics.frame_ms);
+    statistics.script_ms += (first ? 1 : NEWEST_SHARE) * (script_ms - statistics.script_ms);
     statistics.framesPerSecond = statistics.frame_ms > 0 ? 1000 / statistics.frame_ms : 0;
   }
 

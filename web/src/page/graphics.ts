@@ -6,7 +6,7 @@ export interface Graphics {
   readonly software: boolean;
 }
 
-const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|microsoft basic render/i;
+const SOFTWARE_PATTERN = /swiftshader|llvmpipe|softpipe|software|microsoft basic render/i;
 
 export function detectGraphics(): Graphics {
   const gl = document.createElement("canvas").getContext("webgl2");
@@ -14,5 +14,5 @@ export function detectGraphics(): Graphics {
   const info = gl.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
   gl.getExtension("WEBGL_lose_context")?.loseContext();
-  return { webgl2: true, software: SOFTWARE.test(name) };
+  return { webgl2: true, software: SOFTWARE_PATTERN.test(name) };
 }

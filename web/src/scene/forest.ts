@@ -120,8 +120,8 @@ export function placedSpecies(
 }
 
 /** Share of a tree's height below its crown, and of the largest reach that the crown fills. */
-const TRUNK = 0.26;
-const FILLED = 0.8;
+const TRUNK_HEIGHT_SHARE = 0.26;
+const CROWN_FILL_SHARE = 0.8;
 
 function writeCrown(
   crowns: Float32Array,
@@ -131,9 +131,9 @@ function writeCrown(
   { height_m, radius_m }: TreeModel,
 ): void {
   const scale = data[tree + 6];
-  const tall = 0.5 * (1 - TRUNK) * height_m * scale;
-  const middle = data[tree + 1] + TRUNK * height_m * scale + tall;
-  crowns.set([data[tree], middle, data[tree + 2], FILLED * radius_m * scale, tall], at);
+  const tall = 0.5 * (1 - TRUNK_HEIGHT_SHARE) * height_m * scale;
+  const middle = data[tree + 1] + TRUNK_HEIGHT_SHARE * height_m * scale + tall;
+  crowns.set([data[tree], middle, data[tree + 2], CROWN_FILL_SHARE * radius_m * scale, tall], at);
   crowns.set(data.subarray(tree + 8, tree + 11), at + 5);
 }
 

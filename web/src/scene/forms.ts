@@ -47,7 +47,7 @@ function kindOf(tree: Grown, trees: readonly Grown[]): string {
 
 /** From here inwards a tree is shaded by its neighbours on all sides: the outermost one or two rows are the edge. */
 const EDGE_M = 8;
-const DIRECTIONS = Array.from({ length: 8 }, (_, k) => (k * Math.PI) / 4);
+const DIRECTIONS_RAD = Array.from({ length: 8 }, (_, k) => (k * Math.PI) / 4);
 
 /** Whether each tree stands at the edge of the planted area or of the glade, where it has grown in the open. */
 export function atEdge(places: readonly Placement[]): boolean[] {
@@ -56,7 +56,7 @@ export function atEdge(places: readonly Placement[]): boolean[] {
 }
 
 function besideGlade({ x_m, z_m }: Placement): boolean {
-  return DIRECTIONS.some(
+  return DIRECTIONS_RAD.some(
     (angle) => glade(x_m + EDGE_M * Math.cos(angle), z_m + EDGE_M * Math.sin(angle)) >= 0.5,
   );
 }

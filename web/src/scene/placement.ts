@@ -5,7 +5,7 @@ import { glade } from "./ground/landscape";
 
 export const SPACING_M = 6.4;
 /** The forest grows outwards from here, so that the initial camera looks into it. */
-export const HEART = { x_m: 0, z_m: -26 } as const;
+export const FOREST_CENTRE = { x_m: 0, z_m: -26 } as const;
 
 const CELL_OFFSET = 512;
 
@@ -14,8 +14,8 @@ export function placeAt(column: number, row: number, seed: number, spacing_m: nu
   const at = (channel: number) => hashUnit(seed, column, row, channel);
   return {
     id: (row + CELL_OFFSET) * 2 * CELL_OFFSET + column + CELL_OFFSET,
-    x_m: HEART.x_m + (column + 0.82 * (at(0) - 0.5) + (row & 1) * 0.5) * spacing_m,
-    z_m: HEART.z_m + (row + 0.82 * (at(1) - 0.5)) * spacing_m * 0.9,
+    x_m: FOREST_CENTRE.x_m + (column + 0.82 * (at(0) - 0.5) + (row & 1) * 0.5) * spacing_m,
+    z_m: FOREST_CENTRE.z_m + (row + 0.82 * (at(1) - 0.5)) * spacing_m * 0.9,
     yaw_rad: at(2) * 2 * Math.PI,
     scale: 0.78 + 0.5 * at(3) ** 1.4,
   };
@@ -24,7 +24,7 @@ export function placeAt(column: number, row: number, seed: number, spacing_m: nu
 export const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
 /** Distance of a place from the centre of the forest. */
 export const reach_m = ({ x_m, z_m }: Pick<Placement, "x_m" | "z_m">) =>
-  Math.hypot(x_m - HEART.x_m, z_m - HEART.z_m);
+  Math.hypot(x_m - FOREST_CENTRE.x_m, z_m - FOREST_CENTRE.z_m);
 
 /** The `count` places nearest to the centre of the forest, nearest first; `density` is relative to the default. */
 export function placeTrees(count: number, seed: number, density = 1): Placement[] {

@@ -18,20 +18,23 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-const BACKGROUND = 0x141c21;
-const GROUND = 0x26302a;
+const BACKGROUND_COLOUR = 0x141c21;
+const GROUND_COLOUR = 0x26302a;
 
 export class PreviewStage {
   readonly scene = new Scene();
   private readonly renderer: WebGLRenderer;
   private readonly camera = new PerspectiveCamera(34, 1, 0.05, 400);
   private readonly controls: OrbitControls;
-  private readonly ground = new Mesh(new CircleGeometry(1, 64), new MeshBasicMaterial({ color: GROUND }));
+  private readonly ground = new Mesh(
+    new CircleGeometry(1, 64),
+    new MeshBasicMaterial({ color: GROUND_COLOUR }),
+  );
   private readonly resized: ResizeObserver;
 
   constructor(canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
-    this.scene.background = new Color(BACKGROUND);
+    this.scene.background = new Color(BACKGROUND_COLOUR);
     const sun = new DirectionalLight(0xfff0d8, 2.6);
     sun.position.set(3, 5, 2);
     this.ground.rotation.x = -Math.PI / 2;

@@ -4,7 +4,7 @@ import { hashUnit } from "galewood/random";
 import type { Placement } from "galewood/trees";
 import type { TreeAsset } from "./forest";
 import { type FormChoice, formAt, kindsOf } from "./forms";
-import { HEART } from "./placement";
+import { FOREST_CENTRE } from "./placement";
 
 /** A stem as the scene needs it (galewood/inventory reads it from a file). */
 export interface StandStem {
@@ -38,8 +38,8 @@ const DENSE_PER_HA = 200;
 /** Where a stem stands: the middle of the plot is the middle of the forest; north is up, away from the first view. */
 const placeOf = (stem: StandStem, index: number, height_m: number): Placement => ({
   id: FIRST_ID + index,
-  x_m: HEART.x_m + stem.east_m,
-  z_m: HEART.z_m - stem.north_m,
+  x_m: FOREST_CENTRE.x_m + stem.east_m,
+  z_m: FOREST_CENTRE.z_m - stem.north_m,
   yaw_rad: 2 * Math.PI * hashUnit(index, 1),
   scale: Math.min(SCALES.most, Math.max(SCALES.least, stem.height_m / height_m)),
 });
@@ -93,20 +93,20 @@ const HALF_VIEW = (23 * Math.PI) / 180;
 /** Width of the picture that the stand may take, relative to that at its near edge; instruments cover the left. */
 const IN_VIEW = 0.9;
 const BESIDE_INSTRUMENTS = 1.15;
-const WIDE = 1.2;
+const WIDE_ASPECT_RATIO = 1.2;
 const FARTHEST_M = 250;
 
 /** Eye and target, with heights above the ground, that show a stand from the south and above its crowns. */
 export function standView({ width_m, depth_m, highest_m }: StandSize, aspect: number) {
-  const wide = aspect > WIDE;
+  const wide = aspect > WIDE_ASPECT_RATIO;
   const room = wide ? BESIDE_INSTRUMENTS : IN_VIEW;
   const across_m = (0.5 * room * width_m + 4) / (Math.tan(HALF_VIEW) * aspect);
   const left_m = wide ? 0.12 * width_m : 0;
   const away_m = Math.min(FARTHEST_M, Math.max(across_m, 1.4 * highest_m) + 0.5 * depth_m);
   const eye = {
-    x: HEART.x_m - left_m + 0.1 * width_m,
+    x: FOREST_CENTRE.x_m - left_m + 0.1 * width_m,
     above: 0.75 * highest_m + 0.1 * away_m,
-    z: HEART.z_m + away_m,
+    z: FOREST_CENTRE.z_m + away_m,
   };
-  return { eye, target: { x: HEART.x_m - left_m, above: 0.45 * highest_m, z: HEART.z_m } };
+  return { eye, target: { x: FOREST_CENTRE.x_m - left_m, above: 0.45 * highest_m, z: FOREST_CENTRE.z_m } };
 }

@@ -3,7 +3,7 @@ import { Matrix4, Quaternion, Vector3 } from "three";
 import { INSTANCE_FLOATS, type InstanceData } from "../trees/instanceData";
 
 /** Angle by which a tree may lean and still be culled as an upright one: sine of about one degree. */
-const UPRIGHT = 0.02;
+const MAX_LEAN_SINE = 0.02;
 
 const spot = new Vector3();
 const turn = new Quaternion();
@@ -47,7 +47,7 @@ function write(matrix: Matrix4, k: number, data: Float32Array): boolean {
     ],
     k * INSTANCE_FLOATS,
   );
-  return up.set(0, 1, 0).applyQuaternion(turn).y > 1 - UPRIGHT * UPRIGHT;
+  return up.set(0, 1, 0).applyQuaternion(turn).y > 1 - MAX_LEAN_SINE * MAX_LEAN_SINE;
 }
 
 /** The instances that matrices describe, in the frame of the forest. Shear is ignored. */

@@ -8,14 +8,14 @@ import { type Components, componentCentres, componentRadii } from "./mesh/compon
 /** Levels of detail: index prefixes that contain every piece visible up to this share. */
 export const LEVEL_SHARES = [1, 0.5, 0.25, 0.13, 0.07] as const;
 export const LEVEL_COUNT = LEVEL_SHARES.length;
-/** A piece shrinks while its rank is between share and (1 + EDGE) · share. */
-export const EDGE = 0.2;
+/** A piece shrinks while its rank is between share and (1 + SHRINK_RANK_WIDTH) · share. */
+export const SHRINK_RANK_WIDTH = 0.2;
 /** Remaining leaves grow to preserve the crown area, up to this factor: larger ones no longer look like leaves. */
 export const MOST_GROWTH = 2.4;
 /** Share at the second distance of a view. */
 const SHARE_AT_SECOND = 0.2;
 /** Hysteresis: a tree keeps its finer level until it needs this share of the coarser one. */
-const HYSTERESIS = 0.93;
+const LEVEL_HYSTERESIS = 0.93;
 /** Minimum share far away; low enough for the last level. */
 const LEAST_SHARE = 0.9 * LEVEL_SHARES[LEVEL_COUNT - 1];
 
@@ -31,12 +31,12 @@ export function levelFor(share: number, before: number): number {
   let level = LEVEL_COUNT - 1;
   while (LEVEL_SHARES[level] < share) level--;
   if (before >= level || before === 255) return level;
-  return share < HYSTERESIS * LEVEL_SHARES[before + 1] ? level : before;
+  return share < LEVEL_HYSTERESIS * LEVEL_SHARES[before + 1] ? level : before;
 }
 
 /** Relative size (0..1) of a piece of this rank at this share; same as in the shader. */
 export function pieceSize(rank: number, share: number): number {
-  return Math.min(1, Math.max(0, (share * (1 + EDGE) - rank) / (EDGE * share)));
+  return Math.min(1, Math.max(0, (share * (1 + SHRINK_RANK_WIDTH) - rank) / (SHRINK_RANK_WIDTH * share)));
 }
 
 /** Growth factor of the remaining leaves; same as in the shader. */
@@ -71,7 +71,7 @@ export function woodRanks(pieces: Components, positions: ArrayLike<number>): Flo
 }
 
 /** Weight of the height relative to the horizontal distance along a branch. */
-const UPWARD = 0.3;
+const HEIGHT_WEIGHT = 0.3;
 
 /** The point to which each branch shrinks: its vertex nearest to the base of the trunk, xyz packed. */
 export function branchBases(pieces: Components, positions: ArrayLike<number>): Float32Array {
@@ -79,7 +79,7 @@ export function branchBases(pieces: Components, positions: ArrayLike<number>): F
   const least = new Float32Array(pieces.count).fill(Number.POSITIVE_INFINITY);
   pieces.ofVertex.forEach((piece, v) => {
     const [x, y, z] = [positions[v * 3], positions[v * 3 + 1], positions[v * 3 + 2]];
-    const out = Math.hypot(x, z) + UPWARD * y;
+    const out = Math.hypot(x, z) + HEIGHT_WEIGHT * y;
     if (out >= least[piece]) return;
     least[piece] = out;
     bases.set([x, y, z], piece * 3);

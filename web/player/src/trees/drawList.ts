@@ -20,13 +20,13 @@ export interface View {
 }
 
 /** Distance bins: trees are drawn near to far, so that hidden fragments are not shaded. */
-const BINS = 16;
+const DISTANCE_BINS = 16;
 const BIN_M = 12;
-const CLASSES = 2 * LEVEL_COUNT * BINS;
+const CLASS_COUNT = 2 * LEVEL_COUNT * DISTANCE_BINS;
 /** Casters are sorted by the smallest distance from the eye to their shadow. */
 export const CAST_BINS = 32;
 export const CAST_BIN_M = 6;
-const NONE = 255;
+const NO_LEVEL = 255;
 /** Smallest share of the pieces while a tree gives way to its impostor. */
 const LEAST_SHOWN = 1e-3;
 /** Below this elevation of the sun, shadows do not get longer. */
@@ -54,8 +54,8 @@ export class DrawList {
   readonly level: Uint8Array;
   private readonly classes: Uint8Array;
   private readonly castBin: Uint8Array;
-  private readonly next = new Uint32Array(CLASSES);
-  private readonly tally = new Uint32Array(CLASSES);
+  private readonly next = new Uint32Array(CLASS_COUNT);
+  private readonly tally = new Uint32Array(CLASS_COUNT);
 
   constructor(private readonly instances: InstanceData) {
     const { count } = instances;
@@ -64,7 +64,7 @@ export class DrawList {
     this.share = new Float32Array(count);
     this.castShare = new Float32Array(count);
     this.card = new Float32Array(count);
-    this.level = new Uint8Array(count).fill(NONE);
+    this.level = new Uint8Array(count).fill(NO_LEVEL);
     this.classes = new Uint8Array(count);
     this.castBin = new Uint8Array(count);
   }
@@ -89,13 +89,13 @@ export class DrawList {
     const seen = cylinderSeen(planes, x, y, z, height_m, radius_m);
     this.castBin[tree] = this.castBinOf(x, y, z, height_m, radius_m, distance_m, view);
     this.card[tree] = 0;
-    if (!seen && this.castBin[tree] === NONE) {
-      this.classes[tree] = NONE;
+    if (!seen && this.castBin[tree] === NO_LEVEL) {
+      this.classes[tree] = NO_LEVEL;
       return;
     }
     const pieces = this.detail(tree, distance_m / scale, seen, view);
-    const bin = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
-    this.classes[tree] = (2 * this.level[tree] + (seen && pieces > 0 ? 0 : 1)) * BINS + bin;
+    const bin = Math.min(DISTANCE_BINS - 1, Math.floor(distance_m / BIN_M));
+    this.classes[tree] = (2 * this.level[tree] + (seen && pieces > 0 ? 0 : 1)) * DISTANCE_BINS + bin;
   }
 
   /** Sets level and shares of a tree; returns the share of its pieces that its impostor leaves. */
@@ -110,7 +110,7 @@ export class DrawList {
     return pieces;
   }
 
-  /** Bin of the smallest distance from the eye to the tree's shadow; NONE if it is not drawn. */
+  /** Bin of the smallest distance from the eye to the tree's shadow; NO_LEVEL if it is not drawn. */
   private castBinOf(
     x: number,
     y: number,
@@ -123,19 +123,19 @@ export class DrawList {
     const ball_m = Math.sqrt(0.25 * height_m * height_m + radius_m * radius_m);
     const slide_m = height_m / Math.max(LOWEST_SUN, view.sun.y);
     const nearest_m = distance_m - ball_m - slide_m;
-    if (nearest_m > view.shadow_m) return NONE;
+    if (nearest_m > view.shadow_m) return NO_LEVEL;
     if (!view.allCast && !shadowSeen(view.planes, view.sun, x, y + 0.5 * height_m, z, ball_m, slide_m))
-      return NONE;
+      return NO_LEVEL;
     return Math.min(CAST_BINS - 1, Math.max(0, Math.floor(nearest_m / CAST_BIN_M)));
   }
 
   private sortTrees(): void {
     const { classes, tally, next, order } = this;
     tally.fill(0);
-    for (let tree = 0; tree < classes.length; tree++) if (classes[tree] !== NONE) tally[classes[tree]]++;
+    for (let tree = 0; tree < classes.length; tree++) if (classes[tree] !== NO_LEVEL) tally[classes[tree]]++;
     this.layOut();
     for (let tree = 0; tree < classes.length; tree++) {
-      if (classes[tree] !== NONE) order[next[classes[tree]]++] = tree;
+      if (classes[tree] !== NO_LEVEL) order[next[classes[tree]]++] = tree;
     }
   }
 
@@ -144,10 +144,10 @@ export class DrawList {
     this.visible.fill(0);
     this.hidden.fill(0);
     let at = 0;
-    for (let c = 0; c < CLASSES; c++) {
-      const group = Math.floor(c / BINS);
+    for (let c = 0; c < CLASS_COUNT; c++) {
+      const group = Math.floor(c / DISTANCE_BINS);
       const level = group >> 1;
-      if (c % (2 * BINS) === 0) this.start[level] = at;
+      if (c % (2 * DISTANCE_BINS) === 0) this.start[level] = at;
       this.next[c] = at;
       (group & 1 ? this.hidden : this.visible)[level] += this.tally[c];
       at += this.tally[c];
@@ -164,7 +164,7 @@ export class DrawList {
       const end = start[level] + this.visible[level] + this.hidden[level];
       for (let i = start[level]; i < end; i++) {
         const bin = castBin[order[i]];
-        if (bin !== NONE) castBefore[row + bin + 1]++;
+        if (bin !== NO_LEVEL) castBefore[row + bin + 1]++;
       }
       castStart[level] = total;
       for (let bin = 0; bin < CAST_BINS; bin++) {
@@ -173,7 +173,7 @@ export class DrawList {
       }
       for (let i = start[level]; i < end; i++) {
         const bin = castBin[order[i]];
-        if (bin !== NONE) casters[next[bin]++] = i;
+        if (bin !== NO_LEVEL) casters[next[bin]++] = i;
       }
       total += castBefore[row + CAST_BINS];
     }

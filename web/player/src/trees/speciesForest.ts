@@ -31,7 +31,7 @@ export interface SpeciesOptions {
 
 /** Buffers grow in steps of this many trees. */
 const ROOM_STEP = 256;
-const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
+const ALL_TREES: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
 
 /** For each vertex of all parts, the vertex whose motion it takes. */
 function holdsOf(model: TreeModel): Uint32Array {
@@ -193,7 +193,7 @@ export class SpeciesForest<Motion extends DrawnMotion = TableMotion> {
     const texels = this.nodes?.place(this.list);
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
     for (let level = 0; level < LEVEL_COUNT; level++) {
-      this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL);
+      this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL_TREES);
     }
     if (texels) this.selectCards(texels);
   }

@@ -141,7 +141,7 @@ export function pickTree(groups: readonly PickGroup[], ray: Ray): PickedTree | n
 }
 
 /** Radius of the sphere around a joint, relative to its farthest vertex: 1 covers all vertices, less the dense part. */
-const FILL = 0.75;
+const JOINT_SPHERE_FILL = 0.75;
 
 /** Extent of the mesh around each joint, from the vertices that it holds (xyz packed, table order). */
 export function jointRadii(positions: readonly ArrayLike<number>[], motion: DrawnMotion): Float32Array {
@@ -152,7 +152,7 @@ export function jointRadii(positions: readonly ArrayLike<number>[], motion: Draw
     for (let i = 0; i < part.length; i += 3, vertex++) {
       const joint = vertexJoint[vertex];
       const [x, y, z] = [0, 1, 2].map((axis) => part[i + axis] - jointRest_m[joint * 3 + axis]);
-      radius_m[joint] = Math.max(radius_m[joint], FILL * Math.hypot(x, y, z));
+      radius_m[joint] = Math.max(radius_m[joint], JOINT_SPHERE_FILL * Math.hypot(x, y, z));
     }
   }
   return radius_m;

@@ -1,6 +1,6 @@
 /** Shader code of pass 2, shared by the colour and shadow materials. */
 import type { Material, WebGLProgramParametersWithUniforms } from "three";
-import { EDGE, MOST_GROWTH } from "./detail";
+import { MOST_GROWTH, SHRINK_RANK_WIDTH } from "./detail";
 import { WHOLE_SHARE } from "./jointAttribute";
 import { LEAF_FLUTTER } from "./leafFlutter";
 import { LOT_SHADER } from "./lotShader";
@@ -63,7 +63,7 @@ export type Standing = "upright" | "anyhow";
  * Upright: aTurn.xy is scale·(cos, sin) of the yaw, aTint the colour and its weight relative to the texture's.
  * Anyhow: (aTurn.xy, aTint.xy) is a quaternion times the root of the scale along y, aTint.zw the scales along x and z over it.
  */
-const STOOD: Record<Standing, string> = {
+const STANDING_GLSL: Record<Standing, string> = {
   upright: /* glsl */ `
 vec3 stood(vec3 v) {
   return vec3(aTurn.x * v.x + aTurn.y * v.z, aTurn.z * v.y, aTurn.x * v.z - aTurn.y * v.x);
@@ -84,7 +84,7 @@ vec3 stoodNormal(vec3 v) {
 `,
 };
 
-const NORMAL = /* glsl */ `
+const NORMAL_GLSL = /* glsl */ `
 #ifdef STILL
   vec3 facing = normal;
 #else
@@ -93,8 +93,8 @@ const NORMAL = /* glsl */ `
 vec3 objectNormal = normalize(stoodNormal(facing));
 `;
 
-const POSITION = /* glsl */ `
-float grown = clamp((aTurn.w * ${1 + EDGE} - aPiece.w) / (${EDGE} * aTurn.w), 0.0, 1.0);
+const POSITION_GLSL = /* glsl */ `
+float grown = clamp((aTurn.w * ${1 + SHRINK_RANK_WIDTH} - aPiece.w) / (${SHRINK_RANK_WIDTH} * aTurn.w), 0.0, 1.0);
 #ifdef LEAVES
   grown *= min(${MOST_GROWTH.toFixed(1)}, inversesqrt(aTurn.w));
 #endif
@@ -144,9 +144,12 @@ function patchVertex(
   const pulled = pulls && moves ? `#define PULLED\n${pulls}` : "";
   const defines = defined.map((name) => `#define ${name}\n`).join("");
   shader.vertexShader = shader.vertexShader
-    .replace("#include <common>", `#include <common>\n${defines}${VERTEX_PARS}${STOOD[standing]}${pulled}`)
-    .replace("#include <beginnormal_vertex>", NORMAL)
-    .replace("#include <begin_vertex>", POSITION);
+    .replace(
+      "#include <common>",
+      `#include <common>\n${defines}${VERTEX_PARS}${STANDING_GLSL[standing]}${pulled}`,
+    )
+    .replace("#include <beginnormal_vertex>", NORMAL_GLSL)
+    .replace("#include <begin_vertex>", POSITION_GLSL);
   // First of all, because not every material has normals.
   if (moves)
     shader.vertexShader = shader.vertexShader.replace("void main() {", "void main() {\ntakeJoint();");

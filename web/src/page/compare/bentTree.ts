@@ -16,9 +16,9 @@ import {
   MeshLambertMaterial,
 } from "three";
 
-const SOUND = new Color(1, 1, 1);
-const WRONG = new Color(1, 0.12, 0.05);
-const GHOST = 0x8fd3ff;
+const EXACT_COLOUR = new Color(1, 1, 1);
+const ERROR_COLOUR = new Color(1, 0.12, 0.05);
+const GHOST_COLOUR = 0x8fd3ff;
 
 interface Piece {
   readonly rest: Float32Array;
@@ -93,7 +93,7 @@ export class BentTree {
       for (let v = 0; v * 3 < rest.length; v++) {
         const n = 3 * vertexJoint[firstVertex + v];
         const off = Math.hypot(a[n] - b[n], a[n + 1] - b[n + 1], a[n + 2] - b[n + 2]);
-        colour.lerpColors(SOUND, WRONG, Math.min(1, off / worst_m));
+        colour.lerpColors(EXACT_COLOUR, ERROR_COLOUR, Math.min(1, off / worst_m));
         attribute.setXYZ(v, colour.r, colour.g, colour.b);
       }
       attribute.needsUpdate = true;
@@ -121,7 +121,7 @@ function ghostMaterial({ material, kind }: TreePart): Material {
   const leaves = kind === "leaves";
   return new MeshBasicMaterial({
     map: leaves ? material.map : null,
-    color: GHOST,
+    color: GHOST_COLOUR,
     transparent: true,
     opacity: leaves ? 0.16 : 0.4,
     depthWrite: false,

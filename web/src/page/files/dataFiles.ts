@@ -10,7 +10,7 @@ export interface DataFileEvents {
   wind(file: File): void;
 }
 
-const TEXT = /\.(csv|tsv|txt|dat|json|geojson)$/i;
+const TEXT_PATTERN = /\.(csv|tsv|txt|dat|json|geojson)$/i;
 const SNIFFED_BYTES = 65_536;
 
 export class DataFiles {
@@ -27,7 +27,7 @@ export class DataFiles {
 
   /** Passes a file on if it is no tree; returns whether it did. */
   async take(file: File): Promise<boolean> {
-    if (!TEXT.test(file.name)) return false;
+    if (!TEXT_PATTERN.test(file.name)) return false;
     const kind = await kindOf(file);
     if (kind === null) return false;
     (await this.ready)[kind](file);

@@ -28,10 +28,10 @@ export interface Drawing {
   dispose(): void;
 }
 
-const SKELETON: WireStyle = { colour: 0x6fd3ff, width_px: 2.5, opacity: 0.95 };
-const TETRAHEDRA: WireStyle = { colour: 0xffc163, width_px: 1, opacity: 0.55 };
-const MODE: WireStyle = { colour: 0xffb02e, width_px: 3, opacity: 1 };
-const REST: WireStyle = { colour: 0xdfe6ea, width_px: 1, opacity: 0.6 };
+const SKELETON_STYLE: WireStyle = { colour: 0x6fd3ff, width_px: 2.5, opacity: 0.95 };
+const TETRAHEDRA_STYLE: WireStyle = { colour: 0xffc163, width_px: 1, opacity: 0.55 };
+const MODE_STYLE: WireStyle = { colour: 0xffb02e, width_px: 3, opacity: 1 };
+const REST_STYLE: WireStyle = { colour: 0xdfe6ea, width_px: 1, opacity: 0.6 };
 /** A mode is shown with this amplitude at the point that it moves most, relative to the height. */
 const MODE_SHARE = 0.09;
 const MOST_ARROWS = 90;
@@ -52,10 +52,10 @@ function wires(points: Float32Array, pairs: Uint32Array, motion: TableMotion, st
 }
 
 export const skeletonDrawing = (structure: Structure, motion: TableMotion): Drawing =>
-  wires(structure.points_m, structure.links, motion, SKELETON);
+  wires(structure.points_m, structure.links, motion, SKELETON_STYLE);
 
 export const tetrahedraDrawing = (structure: Structure, motion: TableMotion): Drawing =>
-  wires(structure.vertices_m, structure.edges, motion, TETRAHEDRA);
+  wires(structure.vertices_m, structure.edges, motion, TETRAHEDRA_STYLE);
 
 /** The skeleton swinging in one natural mode about its rest pose. */
 export function modeDrawing({ points_m, links }: Structure, motion: TableMotion, mode: number): Drawing {
@@ -69,7 +69,7 @@ export function modeDrawing({ points_m, links }: Structure, motion: TableMotion,
   let most = 1e-12;
   for (let i = 0; i < moved.length; i += 3) most = Math.max(most, Math.hypot(...moved.subarray(i, i + 3)));
   const amplitude = moved.map((value) => (value * MODE_SHARE * height_m) / most);
-  const [rest, swinging] = [new WireFigure(links, REST), new WireFigure(links, MODE)];
+  const [rest, swinging] = [new WireFigure(links, REST_STYLE), new WireFigure(links, MODE_STYLE)];
   rest.move(points_m, new Float32Array(points_m.length));
   const object = new Group();
   object.add(rest.lines, swinging.lines);

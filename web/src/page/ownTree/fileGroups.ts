@@ -6,15 +6,15 @@ export interface Chosen {
   readonly file: File;
 }
 
-const MODELS = /\.(glb|gltf|obj|ply|stl|fbx|dae|3ds|zip|mat|csv)$/i;
-const COMPANIONS = /\.(bin|mtl|png|jpe?g|webp|ktx2|tga|bmp|tiff?|dds)$/i;
+const MODEL_PATTERN = /\.(glb|gltf|obj|ply|stl|fbx|dae|3ds|zip|mat|csv)$/i;
+const COMPANION_PATTERN = /\.(bin|mtl|png|jpe?g|webp|ktx2|tga|bmp|tiff?|dds)$/i;
 /** Files that compression does not make smaller. */
-const PACKED = /\.(png|jpe?g|webp|ktx2|glb|zip)$/i;
+const PACKED_PATTERN = /\.(png|jpe?g|webp|ktx2|glb|zip)$/i;
 
 /** Files to send together. Without textures or buffers every file is a tree of its own. Pure. */
 export function grouped(chosen: readonly Chosen[]): Chosen[][] {
-  const models = chosen.filter(({ path }) => MODELS.test(path));
-  const companions = chosen.filter(({ path }) => COMPANIONS.test(path));
+  const models = chosen.filter(({ path }) => MODEL_PATTERN.test(path));
+  const companions = chosen.filter(({ path }) => COMPANION_PATTERN.test(path));
   if (models.length > 0 && companions.length > 0) return [[...models, ...companions]];
   const folder = chosen.some(({ path }) => path.includes("/"));
   return (folder && models.length > 0 ? models : chosen).map((one) => [one]);
@@ -28,7 +28,7 @@ export async function uploadOf(group: readonly Chosen[]): Promise<File> {
   const { zipSync } = await import("three/examples/jsm/libs/fflate.module.js");
   const entries: Record<string, [Uint8Array, { level: 0 | 1 }]> = {};
   for (const { path, file } of group) {
-    entries[path] = [new Uint8Array(await file.arrayBuffer()), { level: PACKED.test(path) ? 0 : 1 }];
+    entries[path] = [new Uint8Array(await file.arrayBuffer()), { level: PACKED_PATTERN.test(path) ? 0 : 1 }];
   }
   const name = first.path.replace(/^.*\//, "").replace(/\.[^.]*$/, "");
   return new File([zipSync(entries) as Uint8Array<ArrayBuffer>], `${name}.zip`, { type: "application/zip" });

@@ -5,8 +5,8 @@ import { type ExpectedMotion, frequency_Hz, isAdjustable, swaysAt, swaysInWords 
 const STIFF =
   "As stiff as its wood, it would hardly seem to move. Its stiffness is therefore reduced until it sways like real " +
   "trees of its height; move the slider to the left to keep that of its wood.";
-const STILL = "It will hardly seem to move.";
-const NATURAL = "As stiff as its wood. Move the slider to the right for more motion.";
+const STILL_TEXT = "It will hardly seem to move.";
+const NATURAL_TEXT = "As stiff as its wood. Move the slider to the right for more motion.";
 
 export class LivelinessChoice {
   readonly root = make("div", "", "own-tree-motion");
@@ -35,7 +35,7 @@ export class LivelinessChoice {
     if (this.slider.parentElement) this.slider.parentElement.hidden = !adjustable;
     this.reason.hidden = !adjustable && expected.visible;
     this.slider.value = expected.visible ? "0" : "1";
-    this.reason.textContent = expected.visible ? NATURAL : adjustable ? STIFF : STILL;
+    this.reason.textContent = expected.visible ? NATURAL_TEXT : adjustable ? STIFF : STILL_TEXT;
     this.tell();
   }
 

@@ -1,6 +1,6 @@
 /** The uploads of this browser, remembered in its storage: only here are they planted unasked. */
 import type { TreeChange } from "../server/api";
-import { PLANTED, type Planted, type PlantedTrees } from "../settings/planted";
+import { PLANTED_CHOICES, type Planted, type PlantedTrees } from "../settings/planted";
 
 export interface OwnUpload {
   readonly id: string;
@@ -12,10 +12,10 @@ export interface OwnUpload {
   readonly started: boolean;
 }
 
-const KEY = "galewood.uploads";
+const STORAGE_KEY = "galewood.uploads";
 const VERSION = 1;
 /** The oldest ones are forgotten. */
-const MOST = 32;
+const MAX_UPLOADS = 32;
 
 type Store = Pick<Storage, "getItem" | "setItem">;
 
@@ -26,7 +26,7 @@ function uploadFrom(value: unknown): OwnUpload[] {
   return [
     {
       id,
-      planted: PLANTED.find((how) => how === planted) ?? null,
+      planted: PLANTED_CHOICES.find((how) => how === planted) ?? null,
       shown: shown === true,
       started: started === true,
     },
@@ -49,18 +49,20 @@ export class OwnUploads {
 
   private read(): OwnUpload[] {
     try {
-      const kept: unknown = JSON.parse(this.store().getItem(KEY) ?? "null");
+      const kept: unknown = JSON.parse(this.store().getItem(STORAGE_KEY) ?? "null");
       const { version, uploads } = (kept ?? {}) as Record<string, unknown>;
-      return version === VERSION && Array.isArray(uploads) ? uploads.flatMap(uploadFrom).slice(-MOST) : [];
+      return version === VERSION && Array.isArray(uploads)
+        ? uploads.flatMap(uploadFrom).slice(-MAX_UPLOADS)
+        : [];
     } catch {
       return [];
     }
   }
 
   private keep(list: OwnUpload[]): void {
-    this.list = list.slice(-MOST);
+    this.list = list.slice(-MAX_UPLOADS);
     try {
-      this.store().setItem(KEY, JSON.stringify({ version: VERSION, uploads: this.list }));
+      this.store().setItem(STORAGE_KEY, JSON.stringify({ version: VERSION, uploads: this.list }));
     } catch {
       // Storage is full or blocked: continue without it.
     }

@@ -16,8 +16,8 @@ import { rowsOfVertices } from "./pieces";
 
 export const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
 const TURN_RAD_S = 0.35;
-const DIM = 0.3;
-const BRIGHT = 1.8;
+const DIM_FACTOR = 0.3;
+const BRIGHT_FACTOR = 1.8;
 /** A press that moves farther turns the camera. */
 const CLICK_PX = 5;
 
@@ -83,7 +83,7 @@ export class Preview {
       const colours = mesh.geometry.getAttribute("color") as BufferAttribute;
       const values = colours.array as Float32Array;
       this.rows[k].forEach((found, v) => {
-        values.fill(!drawn ? 1 : found === row ? BRIGHT : DIM, 3 * v, 3 * v + 3);
+        values.fill(!drawn ? 1 : found === row ? BRIGHT_FACTOR : DIM_FACTOR, 3 * v, 3 * v + 3);
       });
       colours.needsUpdate = true;
     });

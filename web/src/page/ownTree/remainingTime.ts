@@ -1,7 +1,7 @@
 /** A steady estimate of the time that a computation still takes, from the server's, which jump. Pure. */
 
 /** Estimates that are taken into account. */
-const KEPT = 3;
+const MAX_KEPT_ESTIMATES = 3;
 /** Overtime after which the estimate is given up, s, and relative to the whole time. */
 const LATE_S = 10;
 const LATE_SHARE = 0.1;
@@ -22,7 +22,8 @@ export class RemainingTime {
   report(left_s: number | null, now_s: number): void {
     this.began_s ??= now_s;
     if (left_s === null) this.ends_s = [];
-    else if (left_s !== this.reported_s) this.ends_s = [...this.ends_s, now_s + left_s].slice(-KEPT);
+    else if (left_s !== this.reported_s)
+      this.ends_s = [...this.ends_s, now_s + left_s].slice(-MAX_KEPT_ESTIMATES);
     this.reported_s = left_s;
   }
 

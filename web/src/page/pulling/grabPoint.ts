@@ -23,7 +23,7 @@ export interface GrabbedTree {
 /** Vertices this near to the ray are hit, m, also at a distance. */
 const NEAR_M = 0.05;
 /** One metre beside the ray counts as much as this many metres farther away. */
-const ASIDE = 4;
+const ASIDE_WEIGHT = 4;
 
 /** Place of a vertex at rest, in the tree's frame. */
 export function restOf(parts: readonly TreePart[], vertex: number): Vector {
@@ -56,7 +56,7 @@ export function grabbedVertex(of: GrabbedTree, ray: Ray, slope: number): number 
       if (along <= 0) continue;
       const aside = Math.sqrt(Math.max(0, px * px + py * py + pz * pz - along * along));
       if (aside > NEAR_M + slope * along) continue;
-      const score = along + ASIDE * aside;
+      const score = along + ASIDE_WEIGHT * aside;
       if (score >= least) continue;
       least = score;
       best = first + v;

@@ -1,8 +1,8 @@
 /** How uploaded trees are planted in this visitor's forest. Built-in species are always planted. Pure. */
 
 /** One in the clearing; also among the other trees, like a species; or no other tree in the forest. */
-export const PLANTED = ["one", "more", "only"] as const;
-export type Planted = (typeof PLANTED)[number];
+export const PLANTED_CHOICES = ["one", "more", "only"] as const;
+export type Planted = (typeof PLANTED_CHOICES)[number];
 
 /** By the id of the upload; one that is missing is not planted. The order is that of the places in the clearing. */
 export type PlantedTrees = Readonly<Record<string, Planted>>;
@@ -13,7 +13,7 @@ export interface PlantedSettings {
 
 const MOST_TREES = 64;
 
-const isPlanted = (text: string): text is Planted => (PLANTED as readonly string[]).includes(text);
+const isPlanted = (text: string): text is Planted => (PLANTED_CHOICES as readonly string[]).includes(text);
 
 /** Parses "id,id:more"; invalid parts are ignored. */
 export function plantedFrom(text: string): PlantedTrees {

@@ -1,7 +1,7 @@
 /** Shows the code that embeds the forest in another page. */
 import { make } from "./dom";
 
-const WORDS =
+const EMBED_TEXT =
   "Paste this into a page. It shows the forest as it is now, with a pause button and a link. The server decides which " +
   "sites may embed it (GALEWOOD_FRAME_ANCESTORS).";
 
@@ -24,7 +24,7 @@ export function showEmbedCode(code: string, copy: (text: string) => Promise<void
   dialog.addEventListener("close", () => dialog.remove());
   const head = make("header");
   head.append(heading, copyButton, close);
-  dialog.append(head, make("p", WORDS), text);
+  dialog.append(head, make("p", EMBED_TEXT), text);
   document.body.append(dialog);
   dialog.showModal();
 }

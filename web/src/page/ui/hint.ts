@@ -1,16 +1,16 @@
 /** The first hint, shown once to every visitor until the first action. */
 import { element } from "./dom";
 
-const KEY = "galewood.hint";
-const WIDE = "Drag the arrow. Click a tree.";
+const STORAGE_KEY = "galewood.hint";
+const WIDE_HINT = "Drag the arrow. Click a tree.";
 /** On a phone the arrow is behind a button. */
-const PHONE = "Tap a tree. “Wind” has an arrow to drag.";
+const PHONE_HINT = "Tap a tree. “Wind” has an arrow to drag.";
 
 type Store = Pick<Storage, "getItem" | "setItem">;
 
 function seen(store: () => Store): boolean {
   try {
-    return store().getItem(KEY) !== null;
+    return store().getItem(STORAGE_KEY) !== null;
   } catch {
     return false; // storage is blocked
   }
@@ -20,14 +20,14 @@ function seen(store: () => Store): boolean {
 export function showHint(store: () => Store): void {
   if (seen(store)) return;
   const hint = element("hint");
-  hint.textContent = matchMedia("(max-width: 760px)").matches ? PHONE : WIDE;
+  hint.textContent = matchMedia("(max-width: 760px)").matches ? PHONE_HINT : WIDE_HINT;
   hint.hidden = false;
   const acted = new AbortController();
   const dismiss = () => {
     acted.abort();
     hint.hidden = true;
     try {
-      store().setItem(KEY, "1");
+      store().setItem(STORAGE_KEY, "1");
     } catch {
       // shown again next time
     }

@@ -1,5 +1,5 @@
 /** Line icons of the toolbar, drawn on a 24-unit square. */
-const SVG = "http://www.w3.org/2000/svg";
+const SVG_NAMESPACE = "http://www.w3.org/2000/svg";
 
 const PATHS = {
   pause: "M9 5v14 M15 5v14",
@@ -23,11 +23,11 @@ const PATHS = {
 export type IconName = keyof typeof PATHS;
 
 export function icon(name: IconName): SVGSVGElement {
-  const svg = document.createElementNS(SVG, "svg");
+  const svg = document.createElementNS(SVG_NAMESPACE, "svg");
   svg.setAttribute("viewBox", "0 0 24 24");
   svg.setAttribute("aria-hidden", "true");
   svg.classList.add("icon");
-  const path = document.createElementNS(SVG, "path");
+  const path = document.createElementNS(SVG_NAMESPACE, "path");
   path.setAttribute("d", PATHS[name]);
   svg.append(path);
   return svg;

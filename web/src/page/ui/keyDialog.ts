@@ -2,9 +2,9 @@
 import "../ownTree/ownTree.css";
 import { make } from "./dom";
 
-const KEPT = "galewood-key";
+const STORAGE_KEY = "galewood-key";
 
-export const keptKey = (): string | null => sessionStorage.getItem(KEPT);
+export const keptKey = (): string | null => sessionStorage.getItem(STORAGE_KEY);
 
 /** Resolves with the entered key, which is kept until the tab is closed, or with null if the dialog is cancelled. */
 export function askForKey(): Promise<string | null> {
@@ -35,7 +35,7 @@ export function askForKey(): Promise<string | null> {
     let key: string | null = null;
     form.addEventListener("submit", () => {
       key = field.value.trim();
-      sessionStorage.setItem(KEPT, key);
+      sessionStorage.setItem(STORAGE_KEY, key);
     });
     dialog.addEventListener("close", () => {
       dialog.remove();

@@ -5,8 +5,8 @@ const NAMES = ["instruments", "tools", "panel"] as const;
 type Name = (typeof NAMES)[number];
 
 /** Narrow pages show tools or settings, phones also the instruments instead of them. */
-const NARROW = matchMedia("(max-width: 1099px)");
-const PHONE = matchMedia("(max-width: 760px)");
+const NARROW_PAGE = matchMedia("(max-width: 1099px)");
+const PHONE_PAGE = matchMedia("(max-width: 760px)");
 
 const toggleOf = (name: Name) => element<HTMLButtonElement>(`${name}-toggle`);
 
@@ -17,17 +17,17 @@ function show(name: Name, visible: boolean): void {
 
 /** Closes what has no room beside an open panel. */
 function makeRoomFor(name: Name): void {
-  const rivals = NAMES.filter((other) => other !== name && (PHONE.matches || other !== "instruments"));
-  if (NARROW.matches && (PHONE.matches || name !== "instruments"))
+  const rivals = NAMES.filter((other) => other !== name && (PHONE_PAGE.matches || other !== "instruments"));
+  if (NARROW_PAGE.matches && (PHONE_PAGE.matches || name !== "instruments"))
     for (const other of rivals) show(other, false);
 }
 
 /** The wide page always shows its toolbar. */
 function fit(): void {
-  if (!NARROW.matches) show("tools", true);
+  if (!NARROW_PAGE.matches) show("tools", true);
   const open = NAMES.filter((name) => !element(name).hidden);
-  if (NARROW.matches && open.includes("tools")) show("tools", false);
-  if (PHONE.matches) for (const name of open.slice(1)) show(name, false);
+  if (NARROW_PAGE.matches && open.includes("tools")) show("tools", false);
+  if (PHONE_PAGE.matches) for (const name of open.slice(1)) show(name, false);
 }
 
 /** Connects the panels with their buttons. */
@@ -40,8 +40,8 @@ export function connectSheets(instruments: boolean): void {
     });
   }
   show("panel", false);
-  show("instruments", instruments && !PHONE.matches);
+  show("instruments", instruments && !PHONE_PAGE.matches);
   show("tools", true);
   fit();
-  for (const width of [NARROW, PHONE]) width.addEventListener("change", fit);
+  for (const width of [NARROW_PAGE, PHONE_PAGE]) width.addEventListener("change", fit);
 }

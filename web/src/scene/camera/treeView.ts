@@ -3,14 +3,14 @@ import { groundHeight_m } from "../ground/landscape";
 import type { Subject, Viewpoint } from "./viewpoints";
 
 /** Directions that are tried. */
-const DIRECTIONS = 48;
+const DIRECTION_COUNT = 48;
 /** Distance of the eye in heights of the tree; at least and in addition, m. */
-const AWAY = 1.55;
+const DISTANCE_HEIGHTS = 1.55;
 const LEAST_M = 4.5;
 /** Radius of a crown relative to the tree's height. */
-const CROWN = 0.22;
+const CROWN_RADIUS_SHARE = 0.22;
 /** What a hidden view costs, relative to one against the sun. */
-const HIDDEN = 4;
+const HIDDEN_COST = 4;
 /** Preferred angle between the eye and the sun, as seen from the tree. */
 const BESIDE_SUN_RAD = 0.7;
 
@@ -28,7 +28,7 @@ function hidden(subject: Subject, eye: { x: number; z: number }, others: readonl
   for (const other of others) {
     const apart_m = Math.hypot(other.x - subject.x, other.z - subject.z);
     if (apart_m < 0.3) continue; // the tree itself
-    const crown_m = CROWN * other.height_m;
+    const crown_m = CROWN_RADIUS_SHARE * other.height_m;
     sum += Math.max(0, 1 - distance_m(other, subject, eye) / crown_m);
   }
   return sum;
@@ -44,17 +44,17 @@ export function treeView(
   sun: { x: number; z: number },
   aspect: number,
 ): Viewpoint {
-  const away_m = Math.max(LEAST_M, AWAY * subject.height_m) * Math.max(1, 0.8 / aspect);
+  const away_m = Math.max(LEAST_M, DISTANCE_HEIGHTS * subject.height_m) * Math.max(1, 0.8 / aspect);
   const preferred = Math.atan2(sun.z, sun.x) + BESIDE_SUN_RAD;
   let best = { x: subject.x, z: subject.z };
   let least = Number.POSITIVE_INFINITY;
-  for (let k = 0; k < DIRECTIONS; k++) {
-    const turn = (2 * Math.PI * k) / DIRECTIONS;
+  for (let k = 0; k < DIRECTION_COUNT; k++) {
+    const turn = (2 * Math.PI * k) / DIRECTION_COUNT;
     const eye = {
       x: subject.x + away_m * Math.cos(preferred + turn),
       z: subject.z + away_m * Math.sin(preferred + turn),
     };
-    const cost = HIDDEN * hidden(subject, eye, others) + 0.5 * (1 - Math.cos(turn));
+    const cost = HIDDEN_COST * hidden(subject, eye, others) + 0.5 * (1 - Math.cos(turn));
     if (cost >= least) continue;
     least = cost;
     best = eye;

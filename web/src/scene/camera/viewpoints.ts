@@ -33,7 +33,7 @@ const above = (x: number, height_m: number, z: number): Point => ({
   z,
 });
 
-const EDGE: Viewpoint = { eye: above(7, 8.2, 24), target: { x: -1, y: 6.2, z: -16 } };
+const EDGE_VIEW: Viewpoint = { eye: above(7, 8.2, 24), target: { x: -1, y: 6.2, z: -16 } };
 
 /** A place in the glade that shows the trees on one side from below. */
 function underCrowns(): Viewpoint {
@@ -81,7 +81,7 @@ export function viewpoint(
   if (name === "canopy") return { eye: above(22, 27, 30), target: above(-8, 4, -34) };
   if (name === "under") return underCrowns();
   const subject = name === "tree" ? loneliest(trees) : null;
-  return subject ? oneTree(subject, sun) : EDGE;
+  return subject ? oneTree(subject, sun) : EDGE_VIEW;
 }
 
 /** Duration of one round, s. */

@@ -5,7 +5,7 @@ import { WindField, type WindState } from "galewood/wind";
 import { Group } from "three";
 import type { TreeAsset } from "../forest";
 import { Cards } from "../impostors/cards";
-import { farPlaces, plantFar, THINNING } from "../impostors/farPlaces";
+import { farPlaces, plantFar, THINNING_LEVELS } from "../impostors/farPlaces";
 import { FarTrees } from "../impostors/farTrees";
 import type { ImpostorLibrary } from "../impostors/library";
 import type { Quality } from "../quality";
@@ -23,7 +23,7 @@ export interface Planted {
 }
 
 /** Each species takes new poses every so many frames, one after the other. */
-const PERIOD = 4;
+const POSE_PERIOD_FRAMES = 4;
 /** Longer pauses are skipped. */
 const LONGEST_S = 0.5;
 
@@ -64,7 +64,7 @@ export class FarWood {
     if (key === this.key) return;
     this.key = key;
     this.clear();
-    const places = farPlaces(edge_m, seed, density, THINNING[quality]);
+    const places = farPlaces(edge_m, seed, density, THINNING_LEVELS[quality]);
     const tree = plantFar(builtin, places, shares);
     builtin.forEach(({ id, species }, k) => {
       const own = places.filter((_, i) => tree[i] === k);
@@ -116,13 +116,13 @@ export class FarWood {
     for (const [id, stand] of this.stands) {
       const motion = this.asset(id)?.motion;
       stand.age++;
-      if (motion && (this.frame + turn++) % PERIOD === 0) {
+      if (motion && (this.frame + turn++) % POSE_PERIOD_FRAMES === 0) {
         const dt_s = Math.min(LONGEST_S, Math.max(0, time_s - (stand.time_s || time_s)));
         stand.trees.advance(dt_s, time_s, this.field, motion, stand.cards);
         stand.time_s = time_s;
         stand.age = 1;
       }
-      if (stand.cards) stand.cards.uniforms.uShare.value = Math.min(1, stand.age / PERIOD);
+      if (stand.cards) stand.cards.uniforms.uShare.value = Math.min(1, stand.age / POSE_PERIOD_FRAMES);
     }
   }
 

@@ -22,21 +22,21 @@ import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
 import { glade, groundHeight_m } from "./landscape";
 import { PlantField } from "./plantField";
 
-const COVER: Record<Quality, { side: number; spacing_m: number }> = {
+const COVER_FIELDS: Record<Quality, { side: number; spacing_m: number }> = {
   low: { side: 56, spacing_m: 0.85 },
   medium: { side: 96, spacing_m: 0.62 },
   high: { side: 176, spacing_m: 0.46 },
 };
-const BLADES = 7;
+const BLADE_COUNT = 7;
 const HEIGHT_M = 0.42;
 
 /** A tuft of bent blades around the origin, each of three triangles and with a pointed tip; y runs from 0 to 1. */
 function tuft(): BufferGeometry {
   const position: number[] = [];
   const index: number[] = [];
-  for (let blade = 0; blade < BLADES; blade++) {
+  for (let blade = 0; blade < BLADE_COUNT; blade++) {
     const at = (channel: number) => hashUnit(61, blade, channel);
-    const angle = (blade / BLADES + 0.1 * at(0)) * 2 * Math.PI;
+    const angle = (blade / BLADE_COUNT + 0.1 * at(0)) * 2 * Math.PI;
     const [out, across] = [new Vector2(Math.cos(angle), Math.sin(angle)), 0.055 + 0.03 * at(1)];
     const lean = 0.25 + 0.5 * at(2);
     const tall = 0.6 + 0.4 * at(3);
@@ -73,7 +73,7 @@ varying float vUp;
 varying vec4 vLook;
 `;
 
-const POSITION = /* glsl */ `
+const POSITION_GLSL = /* glsl */ `
 float near = 1.0 - smoothstep(0.7, 1.0, distance(aPlant.xz, uEye.xz) / uReach);
 float turn = aLook.x * 6.2832;
 vec2 spun = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * position.xz * aLook.z;
@@ -86,7 +86,7 @@ vUp = position.y;
 vLook = aLook;
 `;
 
-const COLOUR = /* glsl */ `
+const COLOUR_GLSL = /* glsl */ `
 vec3 green = mix(vec3(0.11, 0.17, 0.035), vec3(0.36, 0.31, 0.11), vLook.y) * uGrassTint;
 diffuseColor.rgb = green * (0.3 + 0.9 * vUp) * (0.8 + 0.4 * vLook.x);
 // Ears of old blades, and flowers.
@@ -97,14 +97,14 @@ diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, 0.55 * uSnow * vUp);
 `;
 
 /** Light through the blades, most at their tips. */
-const LIGHT = /* glsl */ `
+const LIGHT_GLSL = /* glsl */ `
 #include <lights_fragment_end>
 reflectedLight.directDiffuse += diffuseColor.rgb * RECIPROCAL_PI * directLight.color * vec3(1.1, 1.0, 0.5)
   * vUp * (0.12 + 0.6 * pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0));
 `;
 
 /** Share of the tufts that flower, in patches. */
-const FLOWERS = 0.3;
+const FLOWER_SHARE = 0.3;
 
 /** The tuft of a cell: place and size, random number, dryness, width, flower. */
 function tuftIn(column: number, row: number, spacing_m: number): number[] {
@@ -117,7 +117,7 @@ function tuftIn(column: number, row: number, spacing_m: number): number[] {
   const tall = 0.5 + 0.5 * valueNoise(x / 7, z / 7, 811);
   const dry = 0.5 + 0.5 * valueNoise(x / 11, z / 11, 823);
   const size = (0.28 + 0.3 * at(3) + 0.5 * tall ** 2) * (0.55 + 0.45 * open);
-  const flower = at(6) < FLOWERS * Math.max(0, 1 - 2 * Math.abs(dry - 0.4)) && open > 0.3 ? 1 : 0;
+  const flower = at(6) < FLOWER_SHARE * Math.max(0, 1 - 2 * Math.abs(dry - 0.4)) && open > 0.3 ? 1 : 0;
   const dryness = Math.min(1, at(5) ** 2 * (0.4 + 1.2 * dry));
   return [x, groundHeight_m(x, z) - 0.03, z, size, at(4), dryness, 1.35 - 0.5 * tall, flower];
 }
@@ -150,17 +150,17 @@ export class GroundCover {
         .replace("#include <common>", `#include <common>\n${VERTEX_PARS}`)
         // Use the normal of the ground.
         .replace("#include <beginnormal_vertex>", "vec3 objectNormal = vec3(0.0, 1.0, 0.0);")
-        .replace("#include <begin_vertex>", POSITION);
+        .replace("#include <begin_vertex>", POSITION_GLSL);
       const pars =
         "uniform vec3 uGrassTint;\nuniform float uFlowers;\nuniform float uSnow;\nuniform vec3 uSnowColour;\nvarying float vUp;\nvarying vec4 vLook;\n";
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", `#include <common>\n${AIR_PARS}${pars}`)
-        .replace("#include <map_fragment>", COLOUR)
+        .replace("#include <map_fragment>", COLOUR_GLSL)
         .replace(
           "#include <normal_fragment_begin>",
           "vec3 normal = normalize(vNormal);\nvec3 nonPerturbedNormal = normal;",
         )
-        .replace("#include <lights_fragment_end>", LIGHT)
+        .replace("#include <lights_fragment_end>", LIGHT_GLSL)
         .replace("#include <opaque_fragment>", AIR_FRAGMENT)
         .replace("#include <fog_fragment>", "");
     };
@@ -171,7 +171,7 @@ export class GroundCover {
   setQuality(quality: Quality): void {
     if (quality === this.quality) return;
     this.quality = quality;
-    const { side, spacing_m } = COVER[quality];
+    const { side, spacing_m } = COVER_FIELDS[quality];
     this.field = new PlantField(tuft(), side, spacing_m, (out, at, column, row) =>
       out.set(tuftIn(column, row, spacing_m), at),
     );

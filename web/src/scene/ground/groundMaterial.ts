@@ -6,7 +6,7 @@ import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
 import type { Pictures } from "../textures/pictures";
 
-const PARS = /* glsl */ `
+const PARS_GLSL = /* glsl */ `
 varying vec3 vGround;
 varying float vMeadow;
 uniform sampler2D uNoise;
@@ -20,7 +20,7 @@ uniform float uSnow;
 uniform vec3 uSnowColour;
 `;
 
-const COLOUR = /* glsl */ `
+const COLOUR_GLSL = /* glsl */ `
 vec2 g = vGround.xz;
 vec4 broad = texture2D(uNoise, g * 0.0043);
 vec4 patchy = texture2D(uNoise, g * 0.021 + 0.37);
@@ -81,8 +81,8 @@ export function groundMaterial(pictures: Pictures): MeshLambertMaterial {
       .replace("#include <common>", `#include <common>\n${varyings}`)
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvGround = position;\nvMeadow = aMeadow;");
     shader.fragmentShader = shader.fragmentShader
-      .replace("#include <common>", `#include <common>\n${AIR_PARS}${PARS}${GROUND_SHADE_PARS}`)
-      .replace("#include <map_fragment>", COLOUR)
+      .replace("#include <common>", `#include <common>\n${AIR_PARS}${PARS_GLSL}${GROUND_SHADE_PARS}`)
+      .replace("#include <map_fragment>", COLOUR_GLSL)
       .replace("#include <opaque_fragment>", AIR_FRAGMENT)
       .replace("#include <fog_fragment>", "");
   };

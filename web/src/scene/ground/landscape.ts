@@ -1,7 +1,7 @@
 /** Shape of the land: pure functions of position, shared by terrain, placement and camera. */
 import { fractalNoise, valueNoise } from "galewood/random";
 
-const SEED = 20_260;
+const RANDOM_SEED = 20_260;
 
 const smoothstep = (from: number, to: number, x: number) => {
   const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
@@ -15,7 +15,7 @@ export function gladeCentre_m(z: number): number {
 
 /** 1 in the middle of the glade, 0 in the forest. */
 export function glade(x: number, z: number): number {
-  const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, SEED + 5) + 9 * smoothstep(0, 45, z);
+  const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, RANDOM_SEED + 5) + 9 * smoothstep(0, 45, z);
   return 1 - smoothstep(halfWidth_m * 0.3, halfWidth_m * 1.7, Math.abs(x - gladeCentre_m(z)));
 }
 
@@ -27,10 +27,10 @@ function ridge(x: number, z: number, seed: number): number {
 
 /** Height of the ground (m) at a position. */
 export function groundHeight_m(x: number, z: number): number {
-  const rolling = 4.2 * fractalNoise(x / 95, z / 95, SEED, 3);
+  const rolling = 4.2 * fractalNoise(x / 95, z / 95, RANDOM_SEED, 3);
   const hollow = -1.5 * glade(x, z);
   const distance = Math.hypot(x, z);
   const far = smoothstep(300, 1500, distance);
-  const hills = far > 0 ? far * (46 + 95 * ridge(x / 620, z / 620, SEED + 9)) : 0;
+  const hills = far > 0 ? far * (46 + 95 * ridge(x / 620, z / 620, RANDOM_SEED + 9)) : 0;
   return rolling * (1 + smoothstep(150, 600, distance)) + hollow + hills;
 }

@@ -3,8 +3,8 @@
 import { hashUnit } from "galewood/random";
 import { BufferAttribute, BufferGeometry, Vector3 } from "three";
 
-const TWIGS = 18;
-const FRONDS = 9;
+const TWIG_COUNT = 18;
+const FROND_COUNT = 9;
 const FROND_PARTS = 3;
 
 class Shape {
@@ -34,21 +34,24 @@ class Shape {
   }
 }
 
-const UP = new Vector3(0, 1, 0);
+const UP_DIRECTION = new Vector3(0, 1, 0);
 
 /** Cards with the twig of the left picture, leaning outwards all around; rounded normals. */
 export function shrub(): BufferGeometry {
   const shape = new Shape();
-  for (let twig = 0; twig < TWIGS; twig++) {
+  for (let twig = 0; twig < TWIG_COUNT; twig++) {
     const at = (channel: number) => hashUnit(151, twig, channel);
     const azimuth = 2.39996 * twig + 0.5 * at(0);
     const out = new Vector3(Math.cos(azimuth), 0, Math.sin(azimuth));
-    const lean = 0.15 + 1.05 * Math.sqrt((twig + 0.5) / TWIGS);
-    const along = out.clone().multiplyScalar(Math.sin(lean)).addScaledVector(UP, Math.cos(lean));
+    const lean = 0.15 + 1.05 * Math.sqrt((twig + 0.5) / TWIG_COUNT);
+    const along = out.clone().multiplyScalar(Math.sin(lean)).addScaledVector(UP_DIRECTION, Math.cos(lean));
     const length = 0.62 + 0.22 * at(1);
     const foot = out.clone().multiplyScalar(0.06 + 0.1 * at(2));
     foot.y = 0.05 + 0.3 * at(3) * (1 - lean / 1.3);
-    const across = new Vector3().crossVectors(along, out.clone().applyAxisAngle(UP, 1.2 * (at(4) - 0.5)));
+    const across = new Vector3().crossVectors(
+      along,
+      out.clone().applyAxisAngle(UP_DIRECTION, 1.2 * (at(4) - 0.5)),
+    );
     if (across.lengthSq() < 0.01) across.set(-out.z, 0, out.x);
     across.normalize().multiplyScalar(0.5 * length * 0.95);
     const corner = (side: number, part: number) => {
@@ -60,7 +63,7 @@ export function shrub(): BufferGeometry {
         .clone()
         .setY(place.y - 0.15)
         .normalize()
-        .addScaledVector(UP, 0.35)
+        .addScaledVector(UP_DIRECTION, 0.35)
         .normalize();
       return shape.vertex(place, normal, 0.25 + 0.25 * side, part);
     };
@@ -72,9 +75,9 @@ export function shrub(): BufferGeometry {
 /** Arched strips with the frond of the right picture. */
 export function fern(): BufferGeometry {
   const shape = new Shape();
-  for (let frond = 0; frond < FRONDS; frond++) {
+  for (let frond = 0; frond < FROND_COUNT; frond++) {
     const at = (channel: number) => hashUnit(157, frond, channel);
-    const azimuth = (2 * Math.PI * (frond + 0.5 * at(0))) / FRONDS;
+    const azimuth = (2 * Math.PI * (frond + 0.5 * at(0))) / FROND_COUNT;
     const out = new Vector3(Math.cos(azimuth), 0, Math.sin(azimuth));
     const across = new Vector3(-out.z, 0, out.x).multiplyScalar(0.26 + 0.06 * at(1));
     const [reach, top] = [0.7 + 0.35 * at(2), 0.75 + 0.3 * at(3)];
@@ -83,7 +86,7 @@ export function fern(): BufferGeometry {
       const t = part / FROND_PARTS;
       const place = out.clone().multiplyScalar(0.04 + reach * t ** 1.3);
       place.y = top * (1.75 * t - 0.95 * t * t);
-      const normal = UP.clone()
+      const normal = UP_DIRECTION.clone()
         .addScaledVector(out, 0.5 * t)
         .normalize();
       const left = shape.vertex(place.clone().sub(across), normal, 0.5, t);

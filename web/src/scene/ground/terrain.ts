@@ -4,20 +4,21 @@ import type { Pictures } from "../textures/pictures";
 import { groundMaterial } from "./groundMaterial";
 import { glade, groundHeight_m } from "./landscape";
 
-const RINGS = 150;
-const SECTORS = 192;
+const RING_COUNT = 150;
+const SECTOR_COUNT = 192;
 const REACH_M = 1700;
 
 /** Spacing of the rings: about 1 m in the centre, 60 m at the rim. */
-const ringRadius_m = (ring: number) => REACH_M * (0.12 * (ring / RINGS) + 0.88 * (ring / RINGS) ** 4);
+const ringRadius_m = (ring: number) =>
+  REACH_M * (0.12 * (ring / RING_COUNT) + 0.88 * (ring / RING_COUNT) ** 4);
 
 function discGeometry(): BufferGeometry {
-  const columns = SECTORS + 1;
-  const position = new Float32Array((RINGS + 1) * columns * 3);
-  const meadow = new Float32Array((RINGS + 1) * columns);
-  for (let ring = 0; ring <= RINGS; ring++) {
-    for (let sector = 0; sector <= SECTORS; sector++) {
-      const angle = (2 * Math.PI * sector) / SECTORS;
+  const columns = SECTOR_COUNT + 1;
+  const position = new Float32Array((RING_COUNT + 1) * columns * 3);
+  const meadow = new Float32Array((RING_COUNT + 1) * columns);
+  for (let ring = 0; ring <= RING_COUNT; ring++) {
+    for (let sector = 0; sector <= SECTOR_COUNT; sector++) {
+      const angle = (2 * Math.PI * sector) / SECTOR_COUNT;
       const x = ringRadius_m(ring) * Math.cos(angle);
       const z = ringRadius_m(ring) * Math.sin(angle);
       const v = ring * columns + sector;
@@ -35,8 +36,8 @@ function discGeometry(): BufferGeometry {
 
 function discIndex(columns: number): Uint32Array {
   const index: number[] = [];
-  for (let ring = 0; ring < RINGS; ring++) {
-    for (let sector = 0; sector < SECTORS; sector++) {
+  for (let ring = 0; ring < RING_COUNT; ring++) {
+    for (let sector = 0; sector < SECTOR_COUNT; sector++) {
       const a = ring * columns + sector;
       const b = a + columns;
       index.push(a, a + 1, b, b, a + 1, b + 1);

@@ -30,7 +30,7 @@ const FIELDS: Record<Quality, Record<Kind, readonly [side: number, spacing_m: nu
 };
 const SHAPES: Record<Kind, () => BufferGeometry> = { shrub, fern, leaf: leafBlade };
 /** How far each kind bends at its top in strong wind, relative to its height. */
-const BEND: Record<Kind, number> = { shrub: 0.16, fern: 0.3, leaf: 0 };
+const BEND_SHARES: Record<Kind, number> = { shrub: 0.16, fern: 0.3, leaf: 0 };
 
 const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlant; // x, y, z, size in m
@@ -43,13 +43,13 @@ varying vec4 vLook;
 varying float vUp;
 `;
 
-const NORMAL = /* glsl */ `
+const NORMAL_GLSL = /* glsl */ `
 float turn = aLook.w * 6.2832;
 mat2 spin = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
 vec3 objectNormal = vec3(spin * normal.xz, normal.y).xzy;
 `;
 
-const POSITION = /* glsl */ `
+const POSITION_GLSL = /* glsl */ `
 float near = 1.0 - smoothstep(0.75, 1.0, distance(aPlant.xz, uEye.xz) / uReach);
 vec2 spun = spin * position.xz;
 float speed = length(uBreeze.xy);
@@ -68,7 +68,7 @@ vLook = aLook;
 vUp = position.y;
 `;
 
-const COLOUR = /* glsl */ `
+const COLOUR_GLSL = /* glsl */ `
 #ifdef FLAT
   diffuseColor.rgb = vLook.rgb;
 #else
@@ -87,7 +87,7 @@ const COLOUR = /* glsl */ `
 #endif
 `;
 
-const LIGHT = /* glsl */ `
+const LIGHT_GLSL = /* glsl */ `
 #include <lights_fragment_end>
 reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * (0.06 * uSunColour + 0.14 * directLight.color)
   * vec3(1.05, 1.0, 0.6);
@@ -168,7 +168,7 @@ export class Undergrowth {
 
   private material(kind: Kind, reach: { value: number }): MeshLambertMaterial {
     const material = new MeshLambertMaterial({ side: DoubleSide });
-    const defines = `#define BEND ${BEND[kind].toFixed(2)}\n${kind === "leaf" ? "#define FLAT\n" : ""}`;
+    const defines = `#define BEND ${BEND_SHARES[kind].toFixed(2)}\n${kind === "leaf" ? "#define FLAT\n" : ""}`;
     material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, air, seasonal, this.shared, {
         uReach: reach,
@@ -176,20 +176,20 @@ export class Undergrowth {
       });
       shader.vertexShader = shader.vertexShader
         .replace("#include <common>", `#include <common>\n${defines}${VERTEX_PARS}`)
-        .replace("#include <beginnormal_vertex>", NORMAL)
-        .replace("#include <begin_vertex>", POSITION);
+        .replace("#include <beginnormal_vertex>", NORMAL_GLSL)
+        .replace("#include <begin_vertex>", POSITION_GLSL);
       const pars =
         "uniform sampler2D uPlants;\nuniform float uBare;\nuniform float uSnow;\nuniform vec3 uSnowColour;\n" +
         "uniform vec3 uSunColour;\nvarying vec2 vPlant;\nvarying vec4 vLook;\nvarying float vUp;\n";
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", `#include <common>\n${defines}${AIR_PARS}${pars}`)
-        .replace("#include <map_fragment>", COLOUR)
+        .replace("#include <map_fragment>", COLOUR_GLSL)
         // The same normal on both sides of a card.
         .replace(
           "#include <normal_fragment_begin>",
           "vec3 normal = normalize(vNormal);\nvec3 nonPerturbedNormal = normal;",
         )
-        .replace("#include <lights_fragment_end>", LIGHT)
+        .replace("#include <lights_fragment_end>", LIGHT_GLSL)
         .replace("#include <opaque_fragment>", AIR_FRAGMENT)
         .replace("#include <fog_fragment>", "");
     };

@@ -9,13 +9,13 @@ import {
   WebGLRenderTarget,
 } from "three";
 import { COLOUR_SIDE, SURFACE_SIDE } from "./atlasLayout";
-import { VIEWS } from "./octahedral";
+import { VIEWS_PER_SIDE } from "./octahedral";
 import { type TreeBox, treeBox } from "./treeBox";
 
-export const VIEW_COUNT = VIEWS * VIEWS;
+export const VIEW_COUNT = VIEWS_PER_SIDE * VIEWS_PER_SIDE;
 
 function picture(side: number): WebGLRenderTarget {
-  const target = new WebGLRenderTarget(VIEWS * side, VIEWS * side, {
+  const target = new WebGLRenderTarget(VIEWS_PER_SIDE * side, VIEWS_PER_SIDE * side, {
     depthBuffer: false,
     magFilter: LinearFilter,
     minFilter: LinearMipmapLinearFilter,

@@ -1,5 +1,5 @@
 /** Sizes of an impostor's two pictures. Pure. */
-import { VIEWS } from "./octahedral";
+import { VIEWS_PER_SIDE } from "./octahedral";
 
 /** Pixels along each side of one view: colour and opacity, and (coarser) normal, depth and kind. */
 export const COLOUR_SIDE = 128;
@@ -8,13 +8,15 @@ export const SURFACE_SIDE = 64;
 export const MOST_ATLASES = 7;
 
 /** Mip levels add a third. */
-const MIPS = 4 / 3;
-const BYTES = 4;
+const MIP_FACTOR = 4 / 3;
+const BYTES_PER_PIXEL = 4;
 
 /** GPU memory of one atlas, bytes. */
-export const ATLAS_BYTES = Math.ceil(VIEWS ** 2 * BYTES * MIPS * (COLOUR_SIDE ** 2 + SURFACE_SIDE ** 2));
+export const ATLAS_BYTES = Math.ceil(
+  VIEWS_PER_SIDE ** 2 * BYTES_PER_PIXEL * MIP_FACTOR * (COLOUR_SIDE ** 2 + SURFACE_SIDE ** 2),
+);
 /** Memory of the target into which one view is drawn before it is reduced: two pictures, one depth buffer. */
-export const canvasBytes = (side: number): number => 3 * BYTES * side * side;
+export const canvasBytes = (side: number): number => 3 * BYTES_PER_PIXEL * side * side;
 
 export interface Viewport {
   readonly left: number;
@@ -24,7 +26,7 @@ export interface Viewport {
 
 /** Place of one view in a picture, px. */
 export function viewport(view: number, side: number): Viewport {
-  return { left: (view % VIEWS) * side, bottom: Math.floor(view / VIEWS) * side, side };
+  return { left: (view % VIEWS_PER_SIDE) * side, bottom: Math.floor(view / VIEWS_PER_SIDE) * side, side };
 }
 
 /**

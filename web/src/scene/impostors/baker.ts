@@ -23,10 +23,10 @@ import { meanColour } from "../treeModel/treeVariants";
 import { type Atlas, VIEW_COUNT } from "./atlas";
 import { viewport } from "./atlasLayout";
 import { BAKE_FRAGMENT, BAKE_VERTEX, REDUCE_FRAGMENT, REDUCE_VERTEX } from "./bakeShader";
-import { pictureAxes, VIEWS, viewDirection } from "./octahedral";
+import { pictureAxes, VIEWS_PER_SIDE, viewDirection } from "./octahedral";
 
 /** Leaves are cut out here; the same as where they are drawn. */
-const CUT = 0.42;
+const CUT_ALPHA = 0.42;
 
 function geometryOf(part: TreePart): BufferGeometry {
   const geometry = new BufferGeometry();
@@ -93,7 +93,7 @@ class Sitter {
           uMap: { value: map },
           uMapped: { value: map !== null && part.uv !== null },
           uColour: { value: evenly(color, part.colour) },
-          uCut: { value: leaves && (alphaTest > 0 || transparent) ? CUT : 0 },
+          uCut: { value: leaves && (alphaTest > 0 || transparent) ? CUT_ALPHA : 0 },
           uLeaves: { value: leaves },
         },
       });
@@ -169,7 +169,7 @@ export class Baker {
 
   private draw(renderer: WebGLRenderer, atlas: Atlas, { scene }: Sitter): void {
     const view = atlas.done++;
-    const direction = viewDirection(view % VIEWS, Math.floor(view / VIEWS));
+    const direction = viewDirection(view % VIEWS_PER_SIDE, Math.floor(view / VIEWS_PER_SIDE));
     const { right, up } = pictureAxes(direction);
     this.axes.uRight.value.set(...right);
     this.axes.uUp.value.set(...up);
@@ -198,7 +198,7 @@ export class Baker {
     view: number,
     surface: boolean,
   ): void {
-    const { left, bottom, side } = viewport(view, picture.width / VIEWS);
+    const { left, bottom, side } = viewport(view, picture.width / VIEWS_PER_SIDE);
     const { uniforms } = this.reduction;
     uniforms.uColour.value = canvas.textures[0];
     uniforms.uSurface.value = canvas.textures[1];

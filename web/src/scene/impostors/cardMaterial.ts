@@ -14,7 +14,7 @@ import type { Atlas } from "./atlas";
 import { patchCard, patchShadow } from "./cardShader";
 
 /** Opacity below which a pixel of a crown is not drawn. */
-const EDGE = 0.4;
+const EDGE_ALPHA = 0.4;
 
 /** Uniforms that all impostors share. */
 export const shared = {
@@ -51,7 +51,7 @@ function uniformsOf(
     uCrowded: { value: crowded },
     uLeafMap: { value: map },
     uMapped: { value: map ? 1 : 0 },
-    uEdge: { value: EDGE },
+    uEdge: { value: EDGE_ALPHA },
   };
 }
 

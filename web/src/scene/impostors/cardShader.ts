@@ -4,7 +4,7 @@ import { NODE_TEXEL } from "galewood/trees";
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
 import { CROWN_LIGHT } from "../treeSurface/treeLight";
 import { COLOUR_SIDE } from "./atlasLayout";
-import { FLAT_VARYINGS, LIGHT, NORMAL, SURFACE } from "./cardSurface";
+import { FLAT_VARYINGS, LIGHT_GLSL, NORMAL_GLSL, SURFACE_GLSL } from "./cardSurface";
 import { OCTAHEDRAL_GLSL } from "./octahedral";
 
 /**
@@ -63,7 +63,7 @@ vec3 bendAt(float height) {
 }
 `;
 
-const POSITION = /* glsl */ `
+const POSITION_GLSL = /* glsl */ `
 vec3 sunward = normalize(vec3(uTowardsSun.x, max(0.06, uTowardsSun.y), uTowardsSun.z));
 vec3 span = vec3(uBoxM.x, uBoxM.y, uBoxM.x);
 vec3 middleAt = vec3(0.0, uBoxM.z, 0.0);
@@ -98,7 +98,7 @@ vSunward = normalize(inTree(sunward) / span);
 `;
 
 /** A tree does not shade its own card, which lies in the middle of its crown: look for shadows in front of the crown. */
-const RECEIVE = /* glsl */ `
+const RECEIVE_GLSL = /* glsl */ `
 #include <shadowmap_vertex>
 #if defined(USE_SHADOWMAP) && NUM_SUN_LIGHT_SHADOWS > 0
   vSunShadowWorldPosition.xyz += 1.7 * uBoxM.x * uTree.x * aTurn.z * sunward;
@@ -180,7 +180,7 @@ Seen look(float chance) {
 `;
 
 /** Corners of the card, and its cut-out. */
-const CUT = /* glsl */ `
+const CUT_GLSL = /* glsl */ `
 float noise = gradientNoise(gl_FragCoord.xy);
 if (vLook.x < 0.999 && vLook.x <= gradientNoise(gl_FragCoord.xy + 71.0)) discard;
 Seen seen = look(corner_(gl_FragCoord.xy));
@@ -196,14 +196,14 @@ export function patchCard(shader: { vertexShader: string; fragmentShader: string
   shader.vertexShader = shader.vertexShader
     .replace("#include <common>", `#include <common>\n${defines}${VERTEX_PARS}`)
     .replace("#include <beginnormal_vertex>", "vec3 objectNormal = vec3(0.0, 1.0, 0.0);")
-    .replace("#include <begin_vertex>", POSITION)
-    .replace("#include <shadowmap_vertex>", RECEIVE);
+    .replace("#include <begin_vertex>", POSITION_GLSL)
+    .replace("#include <shadowmap_vertex>", RECEIVE_GLSL);
   shader.fragmentShader = shader.fragmentShader
     .replace("#include <common>", `#include <common>\n${AIR_PARS}${CROWN_LIGHT}${FRAGMENT_PARS}`)
-    .replace("#include <map_fragment>", CUT + SURFACE)
+    .replace("#include <map_fragment>", CUT_GLSL + SURFACE_GLSL)
     .replace("#include <alphatest_fragment>", "")
-    .replace("#include <normal_fragment_begin>", NORMAL)
-    .replace("#include <lights_fragment_end>", LIGHT)
+    .replace("#include <normal_fragment_begin>", NORMAL_GLSL)
+    .replace("#include <lights_fragment_end>", LIGHT_GLSL)
     .replace("#include <opaque_fragment>", AIR_FRAGMENT)
     .replace("#include <fog_fragment>", "");
 }
@@ -212,9 +212,9 @@ export function patchCard(shader: { vertexShader: string; fragmentShader: string
 export function patchShadow(shader: { vertexShader: string; fragmentShader: string }, defines: string): void {
   shader.vertexShader = shader.vertexShader
     .replace("#include <common>", `#include <common>\n${defines}#define CASTS\n${VERTEX_PARS}`)
-    .replace("#include <begin_vertex>", POSITION);
+    .replace("#include <begin_vertex>", POSITION_GLSL);
   shader.fragmentShader = shader.fragmentShader
     .replace("#include <common>", `#include <common>\n${FRAGMENT_PARS}`)
-    .replace("#include <map_fragment>", CUT)
+    .replace("#include <map_fragment>", CUT_GLSL)
     .replace("#include <alphatest_fragment>", "");
 }

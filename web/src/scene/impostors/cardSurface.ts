@@ -10,7 +10,7 @@ flat varying vec4 vMean; // mean colour of the leaves' picture; 0 without one
 `;
 
 /** Colour of the season: leaves take the tint of their tree, wood keeps its own; snow on what faces the sky. */
-export const SURFACE = /* glsl */ `
+export const SURFACE_GLSL = /* glsl */ `
 vec3 own = seen.colour.rgb * seen.colour.rgb;
 float shade = dot(own, vec3(0.2126, 0.7152, 0.0722));
 // Each leaf keeps its deviation from the mean colour, as in the trees' LEAF_MAP.
@@ -27,13 +27,13 @@ diffuseColor.rgb = own;
 diffuseColor.a = 1.0;
 `;
 
-export const NORMAL = /* glsl */ `
+export const NORMAL_GLSL = /* glsl */ `
 vec3 normal = normalize((viewMatrix * vec4(worldNormal, 0.0)).xyz);
 vec3 nonPerturbedNormal = normal;
 `;
 
 /** As the trees' LEAF_LIGHT and WOOD_LIGHT; the crown shades itself along the way of the sunlight through it. */
-export const LIGHT = /* glsl */ `
+export const LIGHT_GLSL = /* glsl */ `
 #include <lights_fragment_end>
 {
   float inside = dot(seen.at, vSunward);

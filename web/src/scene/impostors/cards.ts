@@ -18,17 +18,17 @@ export const CARD_FLOATS = 12;
 /** Floats of the bend per card: texels of two nodes, or two displacements of the tip. */
 export const BEND_FLOATS = 4;
 /** Rows of the card, so that it can bend. */
-const ROWS = 5;
+const CARD_ROWS = 5;
 const ROOM_STEP = 256;
 
 function grid(): { corners: Float32Array; index: number[] } {
-  const corners = new Float32Array((ROWS + 1) * 2 * 3);
+  const corners = new Float32Array((CARD_ROWS + 1) * 2 * 3);
   const index: number[] = [];
-  for (let row = 0; row <= ROWS; row++) {
-    const y = (2 * row) / ROWS - 1;
+  for (let row = 0; row <= CARD_ROWS; row++) {
+    const y = (2 * row) / CARD_ROWS - 1;
     corners.set([-1, y, 0, 1, y, 0], row * 6);
     const a = 2 * row;
-    if (row < ROWS) index.push(a, a + 1, a + 3, a, a + 3, a + 2);
+    if (row < CARD_ROWS) index.push(a, a + 1, a + 3, a, a + 3, a + 2);
   }
   return { corners, index };
 }

@@ -6,7 +6,7 @@ import { hashUnit } from "galewood/random";
 import type { Placement } from "galewood/trees";
 import { type Grown, kindsOf } from "../forms";
 import { glade } from "../ground/landscape";
-import { chooseSpecies, HEART, isWood, placeAt, reach_m, SPACING_M } from "../placement";
+import { chooseSpecies, FOREST_CENTRE, isWood, placeAt, reach_m, SPACING_M } from "../placement";
 import type { Quality } from "../quality";
 
 /** The background forest ends here, m from the centre. */
@@ -19,7 +19,7 @@ export interface Thinning {
   readonly least: number;
 }
 
-export const THINNING: Record<Quality, Thinning> = {
+export const THINNING_LEVELS: Record<Quality, Thinning> = {
   low: { full_m: 25, least: 0.16 },
   medium: { full_m: 60, least: 0.3 },
   high: { full_m: 110, least: 0.45 },
@@ -86,4 +86,5 @@ export function plantFar<Tree extends Grown>(
 }
 
 /** Direction and distance from the centre of the forest. */
-export const fromHeart_m = (x: number, z: number): number => Math.hypot(x - HEART.x_m, z - HEART.z_m);
+export const fromHeart_m = (x: number, z: number): number =>
+  Math.hypot(x - FOREST_CENTRE.x_m, z - FOREST_CENTRE.z_m);

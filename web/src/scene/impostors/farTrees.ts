@@ -19,7 +19,7 @@ import { BEND_FLOATS, CARD_FLOATS, type CardList, type Cards } from "./cards";
 import { Sway, TIP_FLOATS } from "./sway";
 
 /** Cards are drawn near to far, in bins. */
-const BINS = 32;
+const DISTANCE_BINS = 32;
 const BIN_M = 16;
 /**
  * From near, a picture of a tree is too coarse: background trees dissolve before. Each has its own distance between `gone`
@@ -31,7 +31,7 @@ const chance = (tree: number) => (tree * 0.618034) % 1;
 /** Below this elevation of the sun, shadows do not get longer. */
 const LOWEST_SUN = 0.15;
 /** Largest sway of the cards, for their bounds, relative to the height. */
-const LEAN = 0.15;
+const MAX_SWAY_SHARE = 0.15;
 
 export class FarTrees {
   private readonly instances: InstanceData;
@@ -82,7 +82,7 @@ export class FarTrees {
   /** Chooses the cards to draw in this view, near to far, and those whose shadows can be seen. */
   select(cards: Cards, view: View): void {
     const { height_m, reach, across_m } = cards.atlas.box;
-    const bounds = { height_m, radius_m: reach * across_m, reach_m: LEAN * height_m };
+    const bounds = { height_m, radius_m: reach * across_m, reach_m: MAX_SWAY_SHARE * height_m };
     const seen = this.sortByDistance(bounds, view);
     const casting = this.chooseCasters(bounds, view);
     this.fill(cards.seen, this.seen, seen, view);
@@ -91,28 +91,28 @@ export class FarTrees {
 
   private sortByDistance(bounds: Bounds, { planes, eye }: View): number {
     const { data, count } = this.instances;
-    const first = new Uint32Array(BINS + 1);
+    const first = new Uint32Array(DISTANCE_BINS + 1);
     for (let tree = 0; tree < count; tree++) {
       const at = tree * INSTANCE_FLOATS;
       const scale = data[at + 6];
       const height_m = bounds.height_m * scale;
       const radius_m = (bounds.radius_m + bounds.reach_m) * scale;
       if (!cylinderSeen(planes, data[at], data[at + 1], data[at + 2], height_m, radius_m)) {
-        this.bins[tree] = BINS;
+        this.bins[tree] = DISTANCE_BINS;
         continue;
       }
       const distance_m = Math.hypot(data[at] - eye.x, data[at + 1] - eye.y, data[at + 2] - eye.z);
       if (distance_m < CLEAR_M.gone) {
-        this.bins[tree] = BINS;
+        this.bins[tree] = DISTANCE_BINS;
         continue;
       }
-      this.bins[tree] = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
+      this.bins[tree] = Math.min(DISTANCE_BINS - 1, Math.floor(distance_m / BIN_M));
       first[this.bins[tree] + 1]++;
     }
-    for (let bin = 1; bin <= BINS; bin++) first[bin] += first[bin - 1];
-    const seen = first[BINS];
+    for (let bin = 1; bin <= DISTANCE_BINS; bin++) first[bin] += first[bin - 1];
+    const seen = first[DISTANCE_BINS];
     for (let tree = 0; tree < count; tree++) {
-      if (this.bins[tree] < BINS) this.seen[first[this.bins[tree]]++] = tree;
+      if (this.bins[tree] < DISTANCE_BINS) this.seen[first[this.bins[tree]]++] = tree;
     }
     return seen;
   }

@@ -6,7 +6,7 @@
 export type Direction = readonly [number, number, number];
 
 /** Views along each side of the square. */
-export const VIEWS = 6;
+export const VIEWS_PER_SIDE = 6;
 
 /** Unit vector of the upper hemisphere (y ≥ 0) at a place of the square [-1, 1]². */
 export function directionAt(u: number, v: number): Direction {
@@ -25,7 +25,7 @@ export function squareAt([x, y, z]: Direction): readonly [number, number] {
 
 /** Direction towards the eye of one view. */
 export function viewDirection(column: number, row: number): Direction {
-  return directionAt((2 * column) / (VIEWS - 1) - 1, (2 * row) / (VIEWS - 1) - 1);
+  return directionAt((2 * column) / (VIEWS_PER_SIDE - 1) - 1, (2 * row) / (VIEWS_PER_SIDE - 1) - 1);
 }
 
 export interface WeightedView {
@@ -36,8 +36,8 @@ export interface WeightedView {
 
 /** The three views around a direction; their weights sum to 1 and change continuously with the direction. */
 export function viewsAround(direction: Direction): readonly WeightedView[] {
-  const at = squareAt(direction).map((s) => (0.5 * s + 0.5) * (VIEWS - 1));
-  const [column, row] = at.map((s) => Math.min(VIEWS - 2, Math.floor(s)));
+  const at = squareAt(direction).map((s) => (0.5 * s + 0.5) * (VIEWS_PER_SIDE - 1));
+  const [column, row] = at.map((s) => Math.min(VIEWS_PER_SIDE - 2, Math.floor(s)));
   const [f, g] = [at[0] - column, at[1] - row];
   const low = f + g < 1;
   return [
@@ -56,7 +56,7 @@ export function pictureAxes([x, y, z]: Direction): { right: Direction; up: Direc
 
 /** `cornerOf`: the lower left view of the cell of a direction, and the place in it. `viewAt`: direction of a view. */
 export const OCTAHEDRAL_GLSL = /* glsl */ `
-const float VIEWS = ${VIEWS.toFixed(1)};
+const float VIEWS = ${VIEWS_PER_SIDE.toFixed(1)};
 vec4 cornerOf(vec3 direction) {
   vec3 d = vec3(direction.x, max(0.0, direction.y), direction.z);
   d /= abs(d.x) + d.y + abs(d.z);

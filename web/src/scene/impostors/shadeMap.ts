@@ -4,11 +4,11 @@
 export const SHADE_SIDE = 512;
 export const SHADE_M = 960;
 /** A low sun casts shadows of at most this many heights. */
-const LONGEST = 2.6;
+const MAX_SHADOW_HEIGHTS = 2.6;
 /** Discs along the shadow of one crown: enough to touch each other. */
 const DISCS = { least: 3, most: 8 } as const;
 /** The crown's part of the height. */
-const CROWN = { from: 0.35, to: 0.9 } as const;
+const CROWN_HEIGHT_RANGE = { from: 0.35, to: 0.9 } as const;
 
 /** Trees as x, z, height, radius of the crown in m, packed. */
 export const SHADER_FLOATS = 4;
@@ -41,13 +41,16 @@ export function shadeOf(
 ): Uint8Array {
   map.fill(0);
   const flat = Math.hypot(sun.x, sun.z) || 1;
-  const perHeight = Math.min(LONGEST, flat / Math.max(0.02, sun.y)) / flat;
+  const perHeight = Math.min(MAX_SHADOW_HEIGHTS, flat / Math.max(0.02, sun.y)) / flat;
   for (let at = 0; at < trees.length; at += SHADER_FLOATS) {
     const [x, z, height_m, radius_m] = [trees[at], trees[at + 1], trees[at + 2], trees[at + 3]];
-    const long_m = (CROWN.to - CROWN.from) * height_m * perHeight * flat;
+    const long_m = (CROWN_HEIGHT_RANGE.to - CROWN_HEIGHT_RANGE.from) * height_m * perHeight * flat;
     const discs = Math.min(DISCS.most, Math.max(DISCS.least, Math.ceil(1 + long_m / radius_m)));
     for (let disc = 0; disc < discs; disc++) {
-      const way_m = height_m * (CROWN.from + ((CROWN.to - CROWN.from) * disc) / (discs - 1)) * perHeight;
+      const way_m =
+        height_m *
+        (CROWN_HEIGHT_RANGE.from + ((CROWN_HEIGHT_RANGE.to - CROWN_HEIGHT_RANGE.from) * disc) / (discs - 1)) *
+        perHeight;
       addDisc(map, x - sun.x * way_m, z - sun.z * way_m, 1.25 * radius_m, 0.48);
     }
   }

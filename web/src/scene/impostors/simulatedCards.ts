@@ -15,7 +15,7 @@ export interface AtlasSource {
 }
 
 /** When an atlas is complete, impostors begin out here and come nearer, so that no tree changes at once. */
-const ARRIVAL = { from_m: 420, time_ms: 1500 };
+const ARRIVAL_FADE = { from_m: 420, time_ms: 1500 };
 
 export class SimulatedCards implements FarCards {
   private cards: Cards | null = null;
@@ -39,9 +39,9 @@ export class SimulatedCards implements FarCards {
       return Number.POSITIVE_INFINITY;
     }
     if (this.cards?.atlas !== atlas) this.take(atlas);
-    const way = Math.min(1, (performance.now() - this.since_ms) / ARRIVAL.time_ms);
+    const way = Math.min(1, (performance.now() - this.since_ms) / ARRIVAL_FADE.time_ms);
     if (way < 1) this.library.arriving = true;
-    return ARRIVAL.from_m + (this.library.from_m - ARRIVAL.from_m) * way;
+    return ARRIVAL_FADE.from_m + (this.library.from_m - ARRIVAL_FADE.from_m) * way;
   }
 
   private take(atlas: Atlas): void {

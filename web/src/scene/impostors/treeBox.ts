@@ -12,7 +12,7 @@ export interface TreeBox {
 }
 
 /** Share of the unit sphere that the tree fills. */
-const FILLED = 0.97;
+const FILLED_SHARE = 0.97;
 
 /** The box around all vertices, xyz packed per part. */
 export function treeBox(parts: readonly ArrayLike<number>[]): TreeBox {
@@ -34,6 +34,6 @@ export function treeBox(parts: readonly ArrayLike<number>[]): TreeBox {
       most = Math.max(most, (at[i] ** 2 + at[i + 2] ** 2) / across_m ** 2 + y * y);
     }
   }
-  const reach = FILLED / Math.sqrt(most);
+  const reach = FILLED_SHARE / Math.sqrt(most);
   return { middle_m, across_m: across_m / reach, up_m: half_m / reach, reach, height_m: high_m };
 }

@@ -1,8 +1,8 @@
 /** A dot at every node of a tree, from white (no error) to red (the largest). */
 import { BufferAttribute, BufferGeometry, Color, Points, PointsMaterial } from "three";
 
-const SOUND = new Color(0xf4f1e6);
-const WRONG = new Color(0xff2a12);
+const EXACT_COLOUR = new Color(0xf4f1e6);
+const ERROR_COLOUR = new Color(0xff2a12);
 
 export class ErrorPoints {
   readonly points: Points<BufferGeometry, PointsMaterial>;
@@ -14,7 +14,7 @@ export class ErrorPoints {
     const colours = new Float32Array(3 * share.length);
     const colour = new Color();
     share.forEach((part, node) => {
-      colour.lerpColors(SOUND, WRONG, Math.sqrt(part)).toArray(colours, 3 * node);
+      colour.lerpColors(EXACT_COLOUR, ERROR_COLOUR, Math.sqrt(part)).toArray(colours, 3 * node);
     });
     geometry.setAttribute("color", new BufferAttribute(colours, 3));
     const material = new PointsMaterial({

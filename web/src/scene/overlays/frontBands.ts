@@ -4,7 +4,7 @@ import { FRONT_LIFE_S, type Front, frontExtent, MOST_FRONTS, travelled_m } from 
 import { BufferAttribute, BufferGeometry, Group, Mesh, MeshBasicMaterial } from "three";
 import { groundHeight_m } from "../ground/landscape";
 
-const COLUMNS = 40;
+const COLUMN_COUNT = 40;
 /** Rows of the band: distance from its middle (m), and opacity. */
 const ROWS = [
   [-5, 0],
@@ -14,17 +14,17 @@ const ROWS = [
 ] as const;
 const ABOVE_M = 0.12;
 /** The band bends back towards its ends, by this share of its width. */
-const BEND = 0.35;
+const BEND_SHARE = 0.35;
 
 class Band {
   readonly mesh: Mesh<BufferGeometry, MeshBasicMaterial>;
 
   constructor() {
-    const count = (COLUMNS + 1) * ROWS.length;
+    const count = (COLUMN_COUNT + 1) * ROWS.length;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * count), 3));
     geometry.setAttribute("color", new BufferAttribute(new Float32Array(4 * count).fill(1), 4));
-    const quads = Array.from({ length: COLUMNS }, (_, column) =>
+    const quads = Array.from({ length: COLUMN_COUNT }, (_, column) =>
       ROWS.slice(1).flatMap((_row, row) => {
         const a = column * ROWS.length + row;
         const b = a + ROWS.length;
@@ -54,11 +54,11 @@ class Band {
     const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
     const { width_m, left } = frontExtent(path_m);
     const { position, color } = this.mesh.geometry.attributes as Record<string, BufferAttribute>;
-    for (let column = 0; column <= COLUMNS; column++) {
-      const s = (2 * column) / COLUMNS - 1;
+    for (let column = 0; column <= COLUMN_COUNT; column++) {
+      const s = (2 * column) / COLUMN_COUNT - 1;
       const rest = (1 - s * s) ** 2;
       for (const [row, [offset_m, opacity]] of ROWS.entries()) {
-        const along = path_m - BEND * width_m * s * s + offset_m;
+        const along = path_m - BEND_SHARE * width_m * s * s + offset_m;
         const x = front.x_m + along * cos - s * width_m * sin;
         const z = front.z_m + along * sin + s * width_m * cos;
         const at = column * ROWS.length + row;

@@ -2,26 +2,26 @@
 import { BufferAttribute, BufferGeometry, Mesh, MeshBasicMaterial } from "three";
 import { groundHeight_m } from "../ground/landscape";
 
-const CORNERS = 96;
+const CORNER_COUNT = 96;
 const WIDTH_M = 0.5;
 const ABOVE_M = 0.08;
 /** Distances across the ring, 0 inside to 1 outside, and their opacity: soft edges. */
-const ACROSS = [
+const RING_PROFILE = [
   [0, 0],
   [0.5, 1],
   [1, 0],
 ] as const;
-const OPACITY = { done: 0.8, open: 0.25 } as const;
+const RING_OPACITY = { done: 0.8, open: 0.25 } as const;
 
 export class GrowthRing {
   readonly mesh: Mesh<BufferGeometry, MeshBasicMaterial>;
 
   constructor() {
     const geometry = new BufferGeometry();
-    const vertices = (CORNERS + 1) * ACROSS.length;
+    const vertices = (CORNER_COUNT + 1) * RING_PROFILE.length;
     geometry.setAttribute("position", new BufferAttribute(new Float32Array(vertices * 3), 3));
     geometry.setAttribute("color", new BufferAttribute(new Float32Array(vertices * 4), 4));
-    geometry.setIndex(Array.from({ length: CORNERS }, (_, k) => quads(k)).flat());
+    geometry.setIndex(Array.from({ length: CORNER_COUNT }, (_, k) => quads(k)).flat());
     const material = new MeshBasicMaterial({
       vertexColors: true,
       transparent: true,
@@ -38,14 +38,14 @@ export class GrowthRing {
   show(x: number, z: number, radius_m: number, fraction: number): void {
     const position = this.mesh.geometry.getAttribute("position") as BufferAttribute;
     const colour = this.mesh.geometry.getAttribute("color") as BufferAttribute;
-    for (let k = 0; k <= CORNERS; k++) {
-      const angle = (2 * Math.PI * k) / CORNERS;
-      const opacity = k <= fraction * CORNERS ? OPACITY.done : OPACITY.open;
-      ACROSS.forEach(([across, soft], side) => {
+    for (let k = 0; k <= CORNER_COUNT; k++) {
+      const angle = (2 * Math.PI * k) / CORNER_COUNT;
+      const opacity = k <= fraction * CORNER_COUNT ? RING_OPACITY.done : RING_OPACITY.open;
+      RING_PROFILE.forEach(([across, soft], side) => {
         const radius = radius_m + across * WIDTH_M;
         const px = x + radius * Math.sin(angle);
         const pz = z - radius * Math.cos(angle);
-        const at = ACROSS.length * k + side;
+        const at = RING_PROFILE.length * k + side;
         position.setXYZ(at, px, groundHeight_m(px, pz) + ABOVE_M, pz);
         colour.setXYZW(at, 1, 0.83, 0.5, soft * opacity);
       });
@@ -63,6 +63,6 @@ export class GrowthRing {
 
 /** The triangles between two corners of the ring, which face upwards. */
 function quads(k: number): number[] {
-  const [a, b] = [ACROSS.length * k, ACROSS.length * (k + 1)];
+  const [a, b] = [RING_PROFILE.length * k, RING_PROFILE.length * (k + 1)];
   return [0, 1].flatMap((i) => [a + i, b + i, a + i + 1, b + i, b + i + 1, a + i + 1]);
 }

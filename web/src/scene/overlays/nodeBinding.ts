@@ -1,7 +1,7 @@
 /** Points that move with the nodes of a table, such as the vertices of its finite elements. Pure. */
 
 /** Each point follows this many nodes, weighted by the inverse square of their distance. */
-const NEAREST = 3;
+const NEAREST_NODES = 3;
 /** A node nearer than this is as good as the point itself, m. */
 const SAME_M = 1e-3;
 
@@ -17,9 +17,9 @@ export class NodeBinding {
   constructor(points: Float32Array, rest_m: Float32Array) {
     this.count = points.length / 3;
     const nodes = rest_m.length / 3;
-    const near = Math.min(NEAREST, nodes);
-    this.node = new Uint16Array(this.count * NEAREST);
-    this.weight = new Float32Array(this.count * NEAREST);
+    const near = Math.min(NEAREST_NODES, nodes);
+    this.node = new Uint16Array(this.count * NEAREST_NODES);
+    this.weight = new Float32Array(this.count * NEAREST_NODES);
     let lowest_m = Number.POSITIVE_INFINITY;
     for (let node = 0; node < nodes; node++) lowest_m = Math.min(lowest_m, rest_m[3 * node + 1]);
     for (let point = 0; point < this.count; point++) {
@@ -47,8 +47,8 @@ export class NodeBinding {
     const shares = gap.map((square) => 1 / Math.max(SAME_M ** 2, square));
     const sum = shares.reduce((total, share) => total + share, 0);
     for (let k = 0; k < near; k++) {
-      this.node[point * NEAREST + k] = best[k];
-      this.weight[point * NEAREST + k] = (fade * shares[k]) / sum;
+      this.node[point * NEAREST_NODES + k] = best[k];
+      this.weight[point * NEAREST_NODES + k] = (fade * shares[k]) / sum;
     }
   }
 
@@ -58,7 +58,7 @@ export class NodeBinding {
     for (let point = 0; point < this.count; point++) {
       for (let axis = 0; axis < 3; axis++) {
         let sum = 0;
-        for (let k = point * NEAREST; k < (point + 1) * NEAREST; k++)
+        for (let k = point * NEAREST_NODES; k < (point + 1) * NEAREST_NODES; k++)
           sum += weight[k] * moved[3 * node[k] + axis];
         out[3 * point + axis] = sum;
       }

@@ -13,10 +13,10 @@ import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 
 const METRES_PER_M_S = 0.16;
 const LONGEST_M = 4;
-const LULL = new Color(0x6fa8ff);
-const MEAN = new Color(0xf4f1e6);
-const GUST = new Color(0xff7a1a);
-const AHEAD = new Vector3(0, 1, 0);
+const LULL_COLOUR = new Color(0x6fa8ff);
+const MEAN_COLOUR = new Color(0xf4f1e6);
+const GUST_COLOUR = new Color(0xff7a1a);
+const ARROW_DIRECTION = new Vector3(0, 1, 0);
 
 /** An arrow along y, 1 m long, from the origin. */
 function arrow() {
@@ -54,11 +54,14 @@ export class WindArrows {
     const speed = Math.hypot(vx, vz);
     const length = Math.min(LONGEST_M, METRES_PER_M_S * speed);
     this.along.set(speed > 0 ? vx / speed : 1, 0, speed > 0 ? vz / speed : 0);
-    this.turn.setFromUnitVectors(AHEAD, this.along);
+    this.turn.setFromUnitVectors(ARROW_DIRECTION, this.along);
     this.size.set(1 + 0.3 * length, Math.max(1e-3, length), 1 + 0.3 * length);
     this.mesh.setMatrixAt(index, this.matrix.compose(this.place.set(x, y, z), this.turn, this.size));
     const gust = Math.max(-1, Math.min(1, (speed - mean_m_s) / Math.max(0.5, 0.5 * mean_m_s)));
-    this.mesh.setColorAt(index, this.colour.copy(MEAN).lerp(gust < 0 ? LULL : GUST, Math.abs(gust)));
+    this.mesh.setColorAt(
+      index,
+      this.colour.copy(MEAN_COLOUR).lerp(gust < 0 ? LULL_COLOUR : GUST_COLOUR, Math.abs(gust)),
+    );
   }
 
   /** Call after all arrows are set. */

@@ -12,12 +12,12 @@ import {
 } from "three";
 import { groundHeight_m } from "../ground/landscape";
 
-const SIDE = 30;
+const SIDE_ARROWS = 30;
 const SPACING_M = 5;
 const ABOVE_M = 0.5;
-const LULL = new Color(0x2f6fd0);
-const MEAN = new Color(0xf4f1e6);
-const GUST = new Color(0xff7a1a);
+const LULL_COLOUR = new Color(0x2f6fd0);
+const MEAN_COLOUR = new Color(0xf4f1e6);
+const GUST_COLOUR = new Color(0xff7a1a);
 
 /** A flat arrow along x, 1 m long, centred at the origin. */
 function arrow(): BufferGeometry {
@@ -33,13 +33,13 @@ export class WindOverlay {
   readonly mesh = new InstancedMesh(
     arrow(),
     new MeshBasicMaterial({ transparent: true, opacity: 0.85, depthWrite: false, side: 2 }),
-    SIDE * SIDE,
+    SIDE_ARROWS * SIDE_ARROWS,
   );
-  private readonly x = new Float64Array(SIDE * SIDE);
-  private readonly z = new Float64Array(SIDE * SIDE);
-  private readonly ground_m = new Float32Array(SIDE * SIDE);
-  private readonly velocityX = new Float64Array(SIDE * SIDE);
-  private readonly velocityZ = new Float64Array(SIDE * SIDE);
+  private readonly x = new Float64Array(SIDE_ARROWS * SIDE_ARROWS);
+  private readonly z = new Float64Array(SIDE_ARROWS * SIDE_ARROWS);
+  private readonly ground_m = new Float32Array(SIDE_ARROWS * SIDE_ARROWS);
+  private readonly velocityX = new Float64Array(SIDE_ARROWS * SIDE_ARROWS);
+  private readonly velocityZ = new Float64Array(SIDE_ARROWS * SIDE_ARROWS);
   private readonly matrix = new Matrix4();
   private readonly colour = new Color();
   private centre = "";
@@ -77,8 +77,8 @@ export class WindOverlay {
     if (centre === this.centre) return;
     this.centre = centre;
     for (let i = 0; i < this.x.length; i++) {
-      this.x[i] = (column + (i % SIDE) - SIDE / 2) * SPACING_M;
-      this.z[i] = (row + Math.floor(i / SIDE) - SIDE / 2) * SPACING_M;
+      this.x[i] = (column + (i % SIDE_ARROWS) - SIDE_ARROWS / 2) * SPACING_M;
+      this.z[i] = (row + Math.floor(i / SIDE_ARROWS) - SIDE_ARROWS / 2) * SPACING_M;
       this.ground_m[i] = groundHeight_m(this.x[i], this.z[i]) + ABOVE_M;
     }
   }
@@ -110,7 +110,7 @@ export class WindOverlay {
     );
     this.mesh.setMatrixAt(i, this.matrix);
     const gust = Math.max(-1, Math.min(1, (speed - mean_m_s) / spread_m_s));
-    this.colour.copy(MEAN).lerp(gust < 0 ? LULL : GUST, Math.abs(gust));
+    this.colour.copy(MEAN_COLOUR).lerp(gust < 0 ? LULL_COLOUR : GUST_COLOUR, Math.abs(gust));
     this.mesh.setColorAt(i, this.colour);
   }
 

@@ -17,11 +17,11 @@ import { flightFrom, LEAF_PATH, looseShare, REST_S } from "./leafFlight";
 import type { Season } from "./season";
 import { seasonal } from "./seasonal";
 
-const MOST: Record<Quality, number> = { low: 700, medium: 4000, high: 7000 };
+const MAX_LEAVES: Record<Quality, number> = { low: 700, medium: 4000, high: 7000 };
 /** Typical time from coming off to disappearing, s: a slot is free again after it. */
 const LIFE_S = 8;
 /** Leaves start on the surface of a crown, this share of its half axes from its centre. */
-const SHELL = 0.92;
+const SHELL_RADIUS_SHARE = 0.92;
 const MOST_RANGES = 32;
 
 const VERTEX_PARS = /* glsl */ `
@@ -44,13 +44,13 @@ mat3 tumbled(float seed, float age, float landed) {
 }
 `;
 
-const NORMAL = /* glsl */ `
+const NORMAL_GLSL = /* glsl */ `
 float since = uClock - aFrom.w;
 mat3 turned = tumbled(aLook.w, min(since, aFlight.z), smoothstep(aFlight.z - 0.5, aFlight.z, since));
 vec3 objectNormal = turned * normal;
 `;
 
-const POSITION = /* glsl */ `
+const POSITION_GLSL = /* glsl */ `
 float size = (0.09 + 0.07 * fract(aLook.w * 53.0)) * step(0.0, since)
   * smoothstep(0.0, 0.15, since) * (1.0 - smoothstep(aFlight.z + ${(REST_S - 1).toFixed(1)}, aFlight.z + ${REST_S.toFixed(1)}, since));
 vec3 transformed = leafAt(aFrom.xyz, aFlight, aLook.w, since) + turned * (size * position);
@@ -58,7 +58,7 @@ vLeaf = aLook.rgb;
 `;
 
 /** Light through the leaf, whatever side the sun is on. */
-const LIGHT = /* glsl */ `
+const LIGHT_GLSL = /* glsl */ `
 #include <lights_fragment_end>
 reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * 0.2 * mix(uSunColour, directLight.color, 0.6);
 `;
@@ -90,13 +90,13 @@ export class FlyingLeaves {
       Object.assign(shader.uniforms, air, seasonal, { uClock: this.clock });
       shader.vertexShader = shader.vertexShader
         .replace("#include <common>", `#include <common>\n${VERTEX_PARS}`)
-        .replace("#include <beginnormal_vertex>", NORMAL)
-        .replace("#include <begin_vertex>", POSITION);
+        .replace("#include <beginnormal_vertex>", NORMAL_GLSL)
+        .replace("#include <begin_vertex>", POSITION_GLSL);
       const pars = "uniform vec3 uSunColour;\nvarying vec3 vLeaf;\n";
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", `#include <common>\n${AIR_PARS}${pars}`)
         .replace("#include <map_fragment>", "diffuseColor.rgb = vLeaf;")
-        .replace("#include <lights_fragment_end>", LIGHT)
+        .replace("#include <lights_fragment_end>", LIGHT_GLSL)
         .replace("#include <opaque_fragment>", AIR_FRAGMENT)
         .replace("#include <fog_fragment>", "");
     };
@@ -105,7 +105,7 @@ export class FlyingLeaves {
   }
 
   setQuality(quality: Quality): void {
-    const most = MOST[quality];
+    const most = MAX_LEAVES[quality];
     if (most === this.most) return;
     this.most = most;
     const leaf = leafBlade();
@@ -157,10 +157,10 @@ export class FlyingLeaves {
     const [x, y, z, wide, tall, r, g, b] = crowns.subarray(crown, crown + CROWN_FLOATS);
     const azimuth = 2 * Math.PI * at(1);
     const sine = 2 * at(2) - 1;
-    const level = SHELL * wide * Math.sqrt(1 - sine * sine);
+    const level = SHELL_RADIUS_SHARE * wide * Math.sqrt(1 - sine * sine);
     const from = {
       x: x + level * Math.cos(azimuth),
-      y: y + SHELL * tall * sine,
+      y: y + SHELL_RADIUS_SHARE * tall * sine,
       z: z + level * Math.sin(azimuth),
     };
     const { vx, vz, lands_s, ground_m, seed } = flightFrom(from, wind_m_s, this.count, this.groundHeight_m);

@@ -20,11 +20,11 @@ export interface Flight {
 /** A leaf reaches the speed of the air within this time, s. */
 const PICKED_UP_S = 0.45;
 /** Speed of the air between the trees relative to the wind above them. */
-const CARRIED = 0.62;
+const AIR_SPEED_RATIO = 0.62;
 /** Rate of fall of a tumbling leaf, m/s; of a broad leaf in still air, estimated. */
 const FALL_M_S = [1, 1.9] as const;
 /** Strong wind keeps leaves aloft longer: share of the wind speed that is lost to the fall. */
-const ALOFT = 0.025;
+const LIFT_SPEED_SHARE = 0.025;
 const SWERVE_M = 0.55;
 /** Gusts lift a leaf by up to this height per speed of the air, m per m/s. */
 const LOFT_S = 0.3;
@@ -38,7 +38,7 @@ const LONGEST_S = 60;
 const SHORTEST_S = 0.3;
 
 /** Speed (m/s) at which leaves begin to come off, speed of a full storm, and number of leaves relative to autumn. */
-const LOOSE: Record<Season, readonly [from: number, full: number, share: number]> = {
+const LEAF_FALL_RANGES: Record<Season, readonly [from: number, full: number, share: number]> = {
   spring: [6, 20, 0.4],
   summer: [8, 20, 0.45],
   autumn: [2, 18, 1],
@@ -47,7 +47,7 @@ const LOOSE: Record<Season, readonly [from: number, full: number, share: number]
 
 /** Share of the largest number of flying leaves, by wind speed and season. */
 export function looseShare(speed_m_s: number, season: Season): number {
-  const [from, full, share] = LOOSE[season];
+  const [from, full, share] = LEAF_FALL_RANGES[season];
   const t = Math.min(1, Math.max(0, (speed_m_s - from) / (full - from)));
   return share * t ** 1.5;
 }
@@ -96,11 +96,11 @@ export function flightFrom(
   const at = (channel: number) => hashUnit(83, count, channel);
   const speed = Math.hypot(wind_m_s.x, wind_m_s.z);
   // Gusts differ from leaf to leaf in strength and direction.
-  const strength = CARRIED * (0.7 + 0.6 * at(0));
+  const strength = AIR_SPEED_RATIO * (0.7 + 0.6 * at(0));
   const turn = 0.5 * (at(1) - 0.5);
   const vx = strength * (wind_m_s.x * Math.cos(turn) - wind_m_s.z * Math.sin(turn));
   const vz = strength * (wind_m_s.x * Math.sin(turn) + wind_m_s.z * Math.cos(turn));
-  const fall = (FALL_M_S[0] + (FALL_M_S[1] - FALL_M_S[0]) * at(2)) / (1 + ALOFT * speed);
+  const fall = (FALL_M_S[0] + (FALL_M_S[1] - FALL_M_S[0]) * at(2)) / (1 + LIFT_SPEED_SHARE * speed);
   const flight: Flight = { ...from, vx, vz, lands_s: from.y / fall, ground_m: 0, seed: at(3) };
   return landing(flight, fall, groundHeight_m);
 }

@@ -64,7 +64,7 @@ const PALETTES: Record<string, Record<Exclude<Season, "winter">, Palette>> = {
   },
 };
 
-const OTHER: Record<Exclude<Season, "winter">, Palette> = {
+const OTHER_PALETTE: Record<Exclude<Season, "winter">, Palette> = {
   spring: [
     [0.27, 0.38, 0.07],
     [0.32, 0.4, 0.09],
@@ -93,7 +93,7 @@ export function leafTint(
   season: Season = "autumn",
 ): [number, number, number, number] {
   const own = species ? PALETTES[species] : undefined;
-  const palette = (own ?? OTHER)[season === "winter" ? "autumn" : season];
+  const palette = (own ?? OTHER_PALETTE)[season === "winter" ? "autumn" : season];
   const pick = Math.floor(palette.length * hashUnit(treeId, 21) ** 1.5);
   const next = palette[Math.min(palette.length - 1, pick + 1)];
   const mix = 0.45 * hashUnit(treeId, 22);
@@ -103,7 +103,7 @@ export function leafTint(
 }
 
 /** Colours of low plants by season: of a fresh and of an old leaf. */
-const UNDERGROWTH: Record<"shrub" | "fern", Record<Season, readonly [Rgb, Rgb]>> = {
+const UNDERGROWTH_COLOURS: Record<"shrub" | "fern", Record<Season, readonly [Rgb, Rgb]>> = {
   shrub: {
     spring: [
       [0.22, 0.36, 0.06],
@@ -141,7 +141,7 @@ const UNDERGROWTH: Record<"shrub" | "fern", Record<Season, readonly [Rgb, Rgb]>>
     ],
   },
 };
-const WITHERED: Rgb = [0.24, 0.13, 0.055];
+const WITHERED_RGB: Rgb = [0.24, 0.13, 0.055];
 
 /** Colour of one low plant, or of one leaf on the ground below a crown of this colour; hue: 0 to 1. */
 export function undergrowthTint(
@@ -151,7 +151,9 @@ export function undergrowthTint(
   crown: Rgb | null,
 ): Rgb {
   const [a, b] =
-    kind === "leaf" ? [season === "autumn" && crown ? crown : WITHERED, WITHERED] : UNDERGROWTH[kind][season];
+    kind === "leaf"
+      ? [season === "autumn" && crown ? crown : WITHERED_RGB, WITHERED_RGB]
+      : UNDERGROWTH_COLOURS[kind][season];
   const share = kind === "leaf" ? 0.75 * hue : hue;
   const mix = (c: 0 | 1 | 2) => (a[c] + share * (b[c] - a[c])) * (0.8 + 0.4 * ((hue * 7.3) % 1));
   return [mix(0), mix(1), mix(2)];

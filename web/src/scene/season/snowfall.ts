@@ -14,11 +14,11 @@ import { snowShare } from "../sky/weather";
 import type { Season } from "./season";
 import { seasonal } from "./seasonal";
 
-const MOST: Record<Quality, number> = { low: 700, medium: 2600, high: 5000 };
+const MAX_FLAKES: Record<Quality, number> = { low: 700, medium: 2600, high: 5000 };
 const BOX_M = new Vector3(30, 16, 30);
 const FALL_M_S = 1.3;
 /** Speed of the air near the ground relative to the wind. */
-const CARRIED = 0.6;
+const AIR_SPEED_RATIO = 0.6;
 
 const vertexShader = /* glsl */ `
 attribute vec4 aSeed;
@@ -93,7 +93,7 @@ export class Snowfall {
   }
 
   setQuality(quality: Quality): void {
-    const most = MOST[quality];
+    const most = MAX_FLAKES[quality];
     if (most === this.most) return;
     this.most = most;
     const geometry = new InstancedBufferGeometry();
@@ -110,7 +110,7 @@ export class Snowfall {
 
   /** Lets the snow drift for dt_s. */
   advance(dt_s: number, wind_m_s: { x: number; z: number }, season: Season): void {
-    this.speed.set(CARRIED * wind_m_s.x, -FALL_M_S, CARRIED * wind_m_s.z);
+    this.speed.set(AIR_SPEED_RATIO * wind_m_s.x, -FALL_M_S, AIR_SPEED_RATIO * wind_m_s.z);
     this.travel.addScaledVector(this.speed, dt_s);
     this.clock.value += dt_s;
     const flakes = Math.round(this.most * snowShare(Math.hypot(wind_m_s.x, wind_m_s.z), season));

@@ -9,12 +9,12 @@ export type Rgb = readonly [number, number, number];
 const GROUND_M = 6_360_000;
 const TOP_M = 6_460_000;
 /** Coefficients per metre at sea level for red, green and blue. */
-const RAYLEIGH: Rgb = [5.802e-6, 13.558e-6, 33.1e-6];
-const OZONE: Rgb = [0.65e-6, 1.881e-6, 0.085e-6];
-const AEROSOL = { scattered: 3.996e-6, absorbed: 0.44e-6 } as const;
+const RAYLEIGH_PER_M: Rgb = [5.802e-6, 13.558e-6, 33.1e-6];
+const OZONE_PER_M: Rgb = [0.65e-6, 1.881e-6, 0.085e-6];
+const AEROSOL_PER_M = { scattered: 3.996e-6, absorbed: 0.44e-6 } as const;
 const SCALE_M = { rayleigh: 8000, aerosol: 1200 } as const;
 /** Multiply scattered light per steradian and unit of sunlight. */
-const AGAIN = 0.075;
+const MULTIPLE_SCATTERING = 0.075;
 const EYE_M = 120;
 
 const TO_SUN_STEPS = 32;
@@ -36,7 +36,9 @@ function airAt(height_m: number, haziness: number): Air {
 }
 
 const extinction = ({ rayleigh, aerosol, ozone }: Air, c: number) =>
-  RAYLEIGH[c] * rayleigh + (AEROSOL.scattered + AEROSOL.absorbed) * aerosol + OZONE[c] * ozone;
+  RAYLEIGH_PER_M[c] * rayleigh +
+  (AEROSOL_PER_M.scattered + AEROSOL_PER_M.absorbed) * aerosol +
+  OZONE_PER_M[c] * ozone;
 
 /** Distance from a height to the top of the atmosphere, by sine of the elevation. */
 function wayOut_m(height_m: number, sine: number): number {
@@ -144,11 +146,11 @@ function viewRay(sine: number, haziness: number, sun: ByHeight, above: ByHeight)
       const lost = extinction(air, c);
       const passed = Math.exp(-lost * (to - from));
       const seen = clear[c] * (lost > 0 ? (1 - passed) / lost : to - from);
-      const scattered = RAYLEIGH[c] * air.rayleigh;
-      const dust = AEROSOL.scattered * air.aerosol;
+      const scattered = RAYLEIGH_PER_M[c] * air.rayleigh;
+      const dust = AEROSOL_PER_M.scattered * air.aerosol;
       out.rayleigh[c] += seen * scattered * sun(height_m, c);
       out.aerosol[c] += seen * dust * sun(height_m, c);
-      out.again[c] += seen * (scattered + dust) * AGAIN * above(height_m, c);
+      out.again[c] += seen * (scattered + dust) * MULTIPLE_SCATTERING * above(height_m, c);
       clear[c] *= passed;
     }
   }

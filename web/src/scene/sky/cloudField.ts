@@ -13,7 +13,7 @@ float cloudBody(vec2 plane) {
 /** Body of the field at the edge of a cloud, for clouds on this share of the sky: its measured distribution. */
 export const cloudEdge = (cover: number): number => 0.715 - 0.36 * cover - 0.3 * smoothstep(0.8, 1, cover);
 /** Half width of the edge. */
-export const EDGE = 0.08;
+export const EDGE_HALF_WIDTH = 0.08;
 
 /** Position on the plane of the clouds of a direction above the horizon. */
 export function onClouds(direction: { x: number; y: number; z: number }, drift: { x: number; y: number }) {
@@ -51,5 +51,5 @@ export function behindCloud(
 ): number {
   const { x, y } = onClouds({ ...sun, y: Math.max(0.02, sun.y) }, drift);
   const edge = cloudEdge(cover);
-  return smoothstep(edge - EDGE, edge + EDGE, cloudBody(noise, x, y));
+  return smoothstep(edge - EDGE_HALF_WIDTH, edge + EDGE_HALF_WIDTH, cloudBody(noise, x, y));
 }

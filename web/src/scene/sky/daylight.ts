@@ -18,7 +18,7 @@ const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
 /** Lowest sun for which shadows are drawn as they fall; lower ones would not fit any shadow map. */
 const LOWEST_SHADOW = 0.06;
 /** Share of the light reflected by the ground that reaches the trees from below. */
-const BOUNCE = 0.5;
+const GROUND_REFLECTION = 0.5;
 const GROUND_ALBEDO = { bare: [0.13, 0.105, 0.055], snow: [0.7, 0.74, 0.8] } as const;
 /** Gain of the sky light for multiple scattering among leaves and twigs. */
 const SKY_GAIN = 1.35;
@@ -66,7 +66,7 @@ export class Daylight {
   private fillIn({ sunlight, skylight, sun }: Atmosphere, season: Season): void {
     const level = Math.max(0, Math.sin((sun.elevation_deg * Math.PI) / 180));
     const albedo = SEASON_LOOKS[season].snow > 0 ? GROUND_ALBEDO.snow : GROUND_ALBEDO.bare;
-    const up = (c: 0 | 1 | 2) => albedo[c] * (BOUNCE * sunlight[c] * level + skylight[c]);
+    const up = (c: 0 | 1 | 2) => albedo[c] * (GROUND_REFLECTION * sunlight[c] * level + skylight[c]);
     this.sky.color.setRGB(SKY_GAIN * skylight[0], SKY_GAIN * skylight[1], SKY_GAIN * skylight[2]);
     this.sky.groundColor.setRGB(up(0), up(1), up(2));
   }

@@ -20,16 +20,16 @@ const RAYS = { across: 5, up: 3 } as const;
 /** Crowns farther away cover little of the view each. */
 export const NEAR_M = 45;
 /** Light of a surface in shade relative to one in the sun. */
-const SHADE = 0.22;
+const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
-const DARKEST = 0.12;
+const MIN_LIGHT_RATIO = 0.12;
 export const MOST_GAIN = 1.75;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
-const STRENGTH = 0.5;
+const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
-const USUAL = 0.6;
+const USUAL_LIGHT = 0.6;
 const EASE_S = 0.5;
-const SETTLED = 0.004;
+const SETTLED_CHANGE = 0.004;
 
 /** Distance along a ray to an ellipsoid; infinite if it misses. The eye inside counts as 0. */
 export function crownDistance(from: Vector, to: Vector, crowns: Crowns, crown: number): number {
@@ -59,10 +59,11 @@ export function crownsNear(crowns: Crowns, { x, z }: { x: number; z: number }): 
   return Float32Array.from(near);
 }
 
-/** Light that reaches a point from the sun: 1 in the open, SHADE below a dense crown. */
+/** Light that reaches a point from the sun: 1 in the open, SHADE_LIGHT_RATIO below a dense crown. */
 function sunAt(place: Vector, sun: Vector, crowns: Crowns, density: number): number {
   for (let crown = 0; crown < crowns.length / CROWN_FLOATS; crown++) {
-    if (crownDistance(place, sun, crowns, crown) < Number.POSITIVE_INFINITY) return 1 - density * (1 - SHADE);
+    if (crownDistance(place, sun, crowns, crown) < Number.POSITIVE_INFINITY)
+      return 1 - density * (1 - SHADE_LIGHT_RATIO);
   }
   return 1;
 }
@@ -86,8 +87,8 @@ function lightAlong(eye: Vector, ray: Vector, scene: Surroundings): number {
   // The near side of a crown is in its own shade unless the sun is behind the eye.
   const place = along(eye, ray, Math.max(0, nearest_m - 0.2));
   const own = 0.5 + 0.5 * Math.max(-1, Math.min(1, -(ray.x * sun.x + ray.y * sun.y + ray.z * sun.z)));
-  const lit = sunAt(place, sun, crowns, density) * (SHADE + (1 - SHADE) * own);
-  return 1 - density * (1 - Math.max(DARKEST, lit));
+  const lit = sunAt(place, sun, crowns, density) * (SHADE_LIGHT_RATIO + (1 - SHADE_LIGHT_RATIO) * own);
+  return 1 - density * (1 - Math.max(MIN_LIGHT_RATIO, lit));
 }
 
 export interface Surroundings {
@@ -135,12 +136,12 @@ export function viewLight(gaze: Gaze, scene: Surroundings): number {
  * exposure of the hour already allows for. `sunSine`: sine of the sun's elevation.
  */
 export function gainFor(light: number, sunSine = 1): number {
-  const gain = (Math.max(1e-6, light) / USUAL) ** -STRENGTH;
+  const gain = (Math.max(1e-6, light) / USUAL_LIGHT) ** -ADAPTATION_SHARE;
   return Math.min(MOST_GAIN, Math.max(1, 1 + (gain - 1) * (0.3 + 0.7 * smoothstep(0.08, 0.45, sunSine))));
 }
 
 /** One step of the gain towards its target; reaches it exactly. */
 export function easeGain(gain: number, target: number, dt_s: number): number {
   const next = gain + (1 - Math.exp(-Math.max(0, dt_s) / EASE_S)) * (target - gain);
-  return Math.abs(target - next) < SETTLED ? target : next;
+  return Math.abs(target - next) < SETTLED_CHANGE ? target : next;
 }

@@ -9,13 +9,13 @@ import type { Sky } from "./sky";
 import { easeWeather, type Weather, weatherFor } from "./weather";
 
 /** Smallest change of a cloud before the sun that is shown. */
-const VISIBLE = 0.01;
+const MIN_VISIBLE_CHANGE = 0.01;
 /** The exposure is estimated anew every this many pictures. */
 const LOOK_EVERY = 5;
 /** Crowns are collected anew when the camera has moved this far. */
 const MOVED_M = 5;
 /** Light that a crown holds back, in leaf and bare. */
-const DENSITY = { leaf: 0.92, bare: 0.25 } as const;
+const CROWN_DENSITY = { leaf: 0.92, bare: 0.25 } as const;
 
 export class Lighting {
   private clear: Atmosphere | null = null;
@@ -79,7 +79,7 @@ export class Lighting {
     const behind = this.sky.behindCloud(this.daylight.towardsSun, next.cover);
     const changed = next.cover !== weather.cover || next.dark !== weather.dark;
     this.weather = next;
-    if (this.started && !changed && Math.abs(behind - this.behind) < VISIBLE) return;
+    if (this.started && !changed && Math.abs(behind - this.behind) < MIN_VISIBLE_CHANGE) return;
     this.started = true;
     this.behind = behind;
     this.show(clear, next);
@@ -105,7 +105,7 @@ export class Lighting {
         crowns: this.crownsNear(eye),
         sun: this.daylight.towardsSun,
         ground_m: groundHeight_m(eye.x, eye.z),
-        density: this.season === "winter" ? DENSITY.bare : DENSITY.leaf,
+        density: this.season === "winter" ? CROWN_DENSITY.bare : CROWN_DENSITY.leaf,
       },
     );
   }

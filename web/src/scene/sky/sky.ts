@@ -3,12 +3,12 @@ import { BackSide, Color, Mesh, ShaderMaterial, SphereGeometry, Vector2, type Ve
 import type { Picture } from "../textures/paint";
 import type { Pictures } from "../textures/pictures";
 import { AIR_PARS, air } from "./air";
-import { behindCloud, CLOUD_PARS, cloudEdge, EDGE } from "./cloudField";
+import { behindCloud, CLOUD_PARS, cloudEdge, EDGE_HALF_WIDTH } from "./cloudField";
 import type { Atmosphere } from "./daytime";
 import { closed, overcastRadiance } from "./weather";
 
 /** Exposure of the clouds relative to the land, as for the clear sky. */
-const SHOWN = 1.1;
+const CLOUD_EXPOSURE = 1.1;
 
 const vertexShader = /* glsl */ `
 varying vec3 vDirection;
@@ -42,7 +42,7 @@ void main() {
   if (up > 0.015) {
     vec2 plane = direction.xz / (up + 0.11) * vec2(0.8, 1.2) + uDrift;
     float body = cloudBody(plane);
-    float cover = smoothstep(uEdge - ${EDGE}, uEdge + ${EDGE}, body) * smoothstep(0.015, 0.16, up);
+    float cover = smoothstep(uEdge - ${EDGE_HALF_WIDTH}, uEdge + ${EDGE_HALF_WIDTH}, body) * smoothstep(0.015, 0.16, up);
     float shade = smoothstep(-0.06, 0.14, cloudBody(plane + uSunFlat * 0.5) - body + 0.03);
     float thick = smoothstep(uEdge, uEdge + 0.34, body);
     // Towards the sun, light shines through thin clouds.
@@ -111,7 +111,7 @@ export class Sky {
     uniforms.uClosed.value = closed(weather);
     uniforms.uDark.value = weather.dark;
     // Radiance overhead of a closed cover with this irradiance.
-    uniforms.uGrey.value.setRGB(...skylight).multiplyScalar(SHOWN * overcastRadiance(1));
+    uniforms.uGrey.value.setRGB(...skylight).multiplyScalar(CLOUD_EXPOSURE * overcastRadiance(1));
   }
 
   /** How far a cloud hides the sun, 0 to 1. */

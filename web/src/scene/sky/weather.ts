@@ -17,9 +17,9 @@ const DARK_M_S = [10, 20] as const;
 const SNOW_M_S = [6, 16] as const;
 /** Time constant of a change of weather, s: slower than the wind's own transition, so that clouds drift in. */
 const CHANGE_S = 2.5;
-const SETTLED = 0.002;
+const SETTLED_CHANGE = 0.002;
 /** Share of direct sunlight that passes a cloud: fair-weather and closed cover. */
-const THROUGH = { broken: 0.45, closed: 0.03 } as const;
+const SUNLIGHT_SHARES = { broken: 0.45, closed: 0.03 } as const;
 /** Light that the clouds of a storm take away in addition. */
 const STORM_LOSS = 0.45;
 
@@ -48,9 +48,9 @@ export function easeWeather(from: Weather, to: Weather, dt_s: number): Weather {
   const step = (a: number, b: number, settled: number) =>
     Math.abs(b - a) < settled && dt_s > 0 ? b : mix(a, b, share);
   return {
-    cover: step(from.cover, to.cover, SETTLED),
-    dark: step(from.dark, to.dark, SETTLED),
-    speed_m_s: step(from.speed_m_s, to.speed_m_s, 20 * SETTLED),
+    cover: step(from.cover, to.cover, SETTLED_CHANGE),
+    dark: step(from.dark, to.dark, SETTLED_CHANGE),
+    speed_m_s: step(from.speed_m_s, to.speed_m_s, 20 * SETTLED_CHANGE),
   };
 }
 
@@ -76,7 +76,7 @@ export function belowClouds(clear: SkyLight, sunSine: number, weather: Weather, 
   const shut = closed(weather);
   const { cover: n } = weather;
   const loss = 1 - STORM_LOSS * weather.dark * shut;
-  const through = mix(1, mix(THROUGH.broken, THROUGH.closed, shut), Math.max(behind, shut));
+  const through = mix(1, mix(SUNLIGHT_SHARES.broken, SUNLIGHT_SHARES.closed, shut), Math.max(behind, shut));
   const [sun, sky] = [brightness(clear.sunlight) * level, brightness(clear.skylight)];
   const all = (sun + sky) * (1 - 0.75 * n ** 3.4) * loss;
   const diffuse = all * mix(sky / Math.max(1e-9, sun + sky), 1, n * n);

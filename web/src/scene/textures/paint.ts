@@ -57,7 +57,7 @@ export function paintNoise(side: number): Picture {
 type Rgb = readonly [number, number, number];
 
 /** sRGB bytes of leaves on the ground, from fresh to old. */
-const FALLEN: readonly Rgb[] = [
+const FALLEN_LEAF_COLOURS: readonly Rgb[] = [
   [171, 88, 32],
   [196, 133, 44],
   [152, 58, 30],
@@ -121,7 +121,7 @@ export function paintLitter(side: number): Picture {
   const leaves = Math.round((side * side) / 90);
   for (let i = 0; i < leaves; i++) {
     const at = (channel: number) => hashUnit(31, i, channel);
-    const colour = FALLEN[Math.floor(at(0) * FALLEN.length)];
+    const colour = FALLEN_LEAF_COLOURS[Math.floor(at(0) * FALLEN_LEAF_COLOURS.length)];
     const light = 0.62 + 0.5 * at(1);
     const shade: Rgb = [colour[0] * light, colour[1] * light, colour[2] * light];
     canvas.leaf(at(2) * side, at(3) * side, 4 + 5 * at(4), at(5) * 6.283, shade);

@@ -83,7 +83,7 @@ class Sheet {
 }
 
 /** Leaves on each fork of a twig. */
-const LEAVES = 8;
+const LEAVES_PER_FORK = 8;
 
 /** A forked twig with leaves of different sizes. */
 function paintTwig(sheet: Sheet): void {
@@ -97,10 +97,10 @@ function paintTwig(sheet: Sheet): void {
   let number = 0;
   for (const [x0, y0, x1, y1] of forks) {
     const heading = Math.atan2(x1 - x0, y1 - y0);
-    for (let k = 0; k < LEAVES; k++) {
+    for (let k = 0; k < LEAVES_PER_FORK; k++) {
       const at = (channel: number) => hashUnit(131, number, channel);
-      const t = 0.2 + (0.8 * (k + 0.4 * at(0))) / (LEAVES - 0.5);
-      const side = k === LEAVES - 1 ? 0.2 : (k & 1 ? 1 : -1) * (0.7 + 0.5 * at(1));
+      const t = 0.2 + (0.8 * (k + 0.4 * at(0))) / (LEAVES_PER_FORK - 0.5);
+      const side = k === LEAVES_PER_FORK - 1 ? 0.2 : (k & 1 ? 1 : -1) * (0.7 + 0.5 * at(1));
       sheet.leaf(
         {
           x: x0 + Math.min(1, t) * (x1 - x0),

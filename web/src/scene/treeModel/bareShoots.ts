@@ -25,14 +25,14 @@ export interface ShootMesh {
 
 type Point = readonly [number, number, number];
 
-const SIDES = 3;
-const TWIG_VERTICES = SIDES + 1;
+const SIDE_COUNT = 3;
+const TWIG_VERTICES = SIDE_COUNT + 1;
 /** Twigs of a shoot: itself and its side twigs. */
-const TWIGS = 2;
+const TWIGS_PER_SHOOT = 2;
 /** Radius at the base over the length: 4 mm for a shoot of 45 cm. */
-const SLENDER = 0.009;
+const RADIUS_LENGTH_RATIO = 0.009;
 /** Share of the card's length that the shoot takes, and the length of the lowest side twig relative to it. */
-const LENGTH = 0.9;
+const SHOOT_LENGTH_SHARE = 0.9;
 const SIDE_LENGTH = 0.5;
 const SIDE_ANGLE = 0.75;
 /** Ranks of the shoots and of their side twigs: both disappear before the twigs that bear them. */
@@ -71,9 +71,9 @@ function twigsOf(positions: Float32Array, first: number, card: number): { from: 
   const out = unit(cross(across, axis));
   const bend = (channel: number) => 0.35 * (hashUnit(card, channel) - 0.5);
   const size = Math.hypot(...axis);
-  const tip = plus(plus(foot, axis, LENGTH), out, bend(21) * size);
+  const tip = plus(plus(foot, axis, SHOOT_LENGTH_SHARE), out, bend(21) * size);
   const twigs = [{ from: foot, to: tip }];
-  for (let k = 1; k < TWIGS; k++) {
+  for (let k = 1; k < TWIGS_PER_SHOOT; k++) {
     const at = 0.2 + 0.4 * hashUnit(card, 30 + k);
     const length = SIDE_LENGTH * (1.1 - at) * (0.7 + 0.6 * hashUnit(card, 40 + k));
     const from = along(foot, tip, at);
@@ -86,12 +86,12 @@ function twigsOf(positions: Float32Array, first: number, card: number): { from: 
 
 /** The bare shoots in place of leaf cards. */
 export function bareShoots({ positions, first }: CardMesh): ShootMesh {
-  const twigs = first.length * TWIGS;
+  const twigs = first.length * TWIGS_PER_SHOOT;
   const vertices = twigs * TWIG_VERTICES;
   const mesh = {
     positions: new Float32Array(3 * vertices),
     normals: new Float32Array(3 * vertices),
-    index: new Uint32Array(3 * SIDES * twigs),
+    index: new Uint32Array(3 * SIDE_COUNT * twigs),
     card: new Uint32Array(vertices),
     bases: new Float32Array(3 * vertices),
     ranks: new Float32Array(vertices),
@@ -114,19 +114,23 @@ function addTwig(mesh: ShootMesh, twig: number, from: Point, to: Point, card: nu
   const u = unit(cross(direction, helper));
   const w = unit(cross(direction, u));
   const base = twig * TWIG_VERTICES;
-  for (let k = 0; k <= SIDES; k++) {
-    const angle = (2 * Math.PI * k) / SIDES;
+  for (let k = 0; k <= SIDE_COUNT; k++) {
+    const angle = (2 * Math.PI * k) / SIDE_COUNT;
     const normal = plus(
       [Math.cos(angle) * u[0], Math.cos(angle) * u[1], Math.cos(angle) * u[2]],
       w,
       Math.sin(angle),
     );
     const at = 3 * (base + k);
-    mesh.positions.set(k === SIDES ? to : plus(from, normal, SLENDER * length), at);
-    mesh.normals.set(k === SIDES ? unit(direction) : normal, at);
+    mesh.positions.set(k === SIDE_COUNT ? to : plus(from, normal, RADIUS_LENGTH_RATIO * length), at);
+    mesh.normals.set(k === SIDE_COUNT ? unit(direction) : normal, at);
     mesh.bases.set(from, at);
     mesh.card[base + k] = card;
     mesh.ranks[base + k] = rank;
-    if (k < SIDES) mesh.index.set([base + k, base + ((k + 1) % SIDES), base + SIDES], 3 * (SIDES * twig + k));
+    if (k < SIDE_COUNT)
+      mesh.index.set(
+        [base + k, base + ((k + 1) % SIDE_COUNT), base + SIDE_COUNT],
+        3 * (SIDE_COUNT * twig + k),
+      );
   }
 }

@@ -71,7 +71,7 @@ diffuseColor.rgb *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * diffuseColor.g);
 `;
 
 /** Snow in patches on surfaces that face the sky. */
-const SNOW = /* glsl */ `
+const SNOW_GLSL = /* glsl */ `
 #include <normal_fragment_maps>
 float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
 float lying = smoothstep(0.05, 0.5, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.6)) * uSnow;
@@ -166,7 +166,7 @@ export function patchColour(
     )
     .replace("#include <map_fragment>", leaves ? LEAF_MAP : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
-    .replace("#include <normal_fragment_maps>", SNOW)
+    .replace("#include <normal_fragment_maps>", SNOW_GLSL)
     .replace("#include <opaque_fragment>", atmosphere.output)
     .replace("#include <fog_fragment>", "");
   if (leaves)

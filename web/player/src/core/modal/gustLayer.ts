@@ -9,9 +9,9 @@ import type { Moment } from "../wind/glide";
 import { speedOfPressure_m_s } from "../wind/pressure";
 
 /** In still air a motion (m, m/s) below this is set to exactly zero. */
-const STILL = 1e-6;
+const STILL_MOTION_M = 1e-6;
 /** Trees whose gusts have faded out come to rest below this (m, m/s). */
-const FADED = 1e-3;
+const FADED_MOTION_M = 1e-3;
 
 /** The gust layer of all trees of one table. */
 export class GustLayer {
@@ -110,7 +110,7 @@ export class GustLayer {
       local[g + 1] = gusts[g] * z + gusts[g + 1] * x;
     }
     const perSpeed = strength > 0 ? strength / speedOfPressure_m_s(strength) : 0;
-    const small = share === 0 ? FADED : strength === 0 ? STILL : 0;
+    const small = share === 0 ? FADED_MOTION_M : strength === 0 ? STILL_MOTION_M : 0;
     for (let n = Math.min(steps, MAX_STEPS_PER_ADVANCE); n > 0; n--) this.stepTree(i, perSpeed, small);
   }
 

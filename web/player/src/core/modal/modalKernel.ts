@@ -5,9 +5,9 @@
 import { MODAL_KERNEL } from "./modalKernel.wasm";
 import { coupledOf, dragInputs, ISOTROPIC, type ModalTensors } from "./modalTensors";
 
-const PAGE = 65_536;
+const PAGE_BYTES = 65_536;
 /** Floats per SIMD vector; rows are padded to a multiple. */
-const LANES = 4;
+const SIMD_LANES = 4;
 /** Data starts here, behind the constants that the compiler placed in the memory (tables of the power function). */
 const FIRST_BYTE = 4096;
 
@@ -21,7 +21,7 @@ type Setting = "halfStep_s" | "coupled" | "ownRow" | "furtherRow" | "dragPoints"
 type Step = (tree: number, px: number, pz: number) => void;
 type Exports = Record<Place | Setting | "constantsEnd", WebAssembly.Global> & { step: Step };
 
-const filled = (count: number) => LANES * Math.ceil(count / LANES);
+const filled = (count: number) => SIMD_LANES * Math.ceil(count / SIMD_LANES);
 
 /** [rows, width] with zero-padded rows. */
 function inFullRows(values: Float32Array, width: number): Float32Array {
@@ -101,7 +101,7 @@ function lengths(given: Record<Tensor, Float32Array>): Record<Tensor, number> {
 function settle(module: WebAssembly.Module, sizes: Record<Place, number>) {
   const places = Object.entries(sizes) as [Place, number][];
   const bytes = places.reduce((sum, [, length]) => sum + 4 * filled(length), FIRST_BYTE);
-  const memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE) });
+  const memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE_BYTES) });
   const kernel = new WebAssembly.Instance(module, { env: { memory } }).exports as unknown as Exports;
   if (Number(kernel.constantsEnd.value) > FIRST_BYTE)
     throw new Error("the kernel's constants need more room");

@@ -11,7 +11,7 @@ import {
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../../core/math/random";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
-import { ALWAYS } from "../lotShader";
+import { COMMON_LOT } from "../lotShader";
 import type { BornePart } from "./boughs";
 import { type Components, connectedComponents, holders, petioles, weldedComponents } from "./components";
 import { leafFreedom, openness, roundNormals } from "./foliage";
@@ -129,7 +129,7 @@ function partFrom(
   const reach = leaves ? leafFreedom(pieces, positions) : new Float32Array(vertices);
   const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
   const piece = new Float32Array(vertices * 4);
-  const anchor = new Float32Array(vertices * 4).fill(ALWAYS);
+  const anchor = new Float32Array(vertices * 4).fill(COMMON_LOT);
   for (let v = 0; v < vertices; v++) {
     piece[4 * v] = hashUnit(pieces.ofVertex[v], 3);
     piece[4 * v + 1] = open[v];

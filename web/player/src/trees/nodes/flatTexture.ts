@@ -1,14 +1,20 @@
 import { DataTexture, FloatType, NearestFilter, RedFormat, RGBAFormat } from "three";
 
-const WIDTH = 1024;
+const TEXTURE_WIDTH = 1024;
 /** log2 of the width of every flat texture, for the shaders. */
 export const FLAT_SHIFT = 10;
 
 /** A float texture read as a flat array: texel i lies at (i mod 1024, i / 1024). */
 export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTexture; data: Float32Array } {
-  const height = Math.max(1, Math.ceil(texels / WIDTH));
-  const data = new Float32Array(WIDTH * height * channels);
-  const texture = new DataTexture(data, WIDTH, height, channels === 1 ? RedFormat : RGBAFormat, FloatType);
+  const height = Math.max(1, Math.ceil(texels / TEXTURE_WIDTH));
+  const data = new Float32Array(TEXTURE_WIDTH * height * channels);
+  const texture = new DataTexture(
+    data,
+    TEXTURE_WIDTH,
+    height,
+    channels === 1 ? RedFormat : RGBAFormat,
+    FloatType,
+  );
   texture.minFilter = NearestFilter;
   texture.magFilter = NearestFilter;
   texture.needsUpdate = true;
@@ -18,7 +24,7 @@ export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTex
 /** Marks the first texels of a four-channel flat texture for upload, in whole rows. */
 export function uploadFirst(texture: DataTexture, texels: number): void {
   texture.clearUpdateRanges();
-  const rows = Math.ceil(texels / WIDTH);
-  for (let row = 0; row < rows; row++) texture.addUpdateRange(row * WIDTH * 4, WIDTH * 4);
+  const rows = Math.ceil(texels / TEXTURE_WIDTH);
+  for (let row = 0; row < rows; row++) texture.addUpdateRange(row * TEXTURE_WIDTH * 4, TEXTURE_WIDTH * 4);
   texture.needsUpdate = true;
 }

@@ -2,7 +2,7 @@
 import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial, type Texture } from "three";
 import type { NodeLevel } from "../../worker/protocol";
 import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
-import { COVER, DISPLACE, SHORTEN } from "./levelShader";
+import { COVER_GLSL, DISPLACE_GLSL, SHORTEN_GLSL } from "./levelShader";
 import type { LevelRows } from "./nodeLayout";
 
 /** Poses as written by the worker, `stride` floats per tree, and the list of drawn trees. */
@@ -77,9 +77,12 @@ export class LevelPass {
       uRow: { value: 0 },
       uDrawn: { value: 0 },
     };
-    this.displacing = new Mesh(geometry, this.material(DISPLACE, { ...shared, uRows: { value: basis } }));
+    this.displacing = new Mesh(
+      geometry,
+      this.material(DISPLACE_GLSL, { ...shared, uRows: { value: basis } }),
+    );
     const further = { uRows: { value: turn }, uMoved: moved, uLinks: { value: links } };
-    this.shortening = new Mesh(geometry, this.material(SHORTEN, { ...shared, ...further }));
+    this.shortening = new Mesh(geometry, this.material(SHORTEN_GLSL, { ...shared, ...further }));
     for (const mesh of [this.displacing, this.shortening]) mesh.frustumCulled = false;
     this.uniforms = shared;
   }
@@ -89,7 +92,7 @@ export class LevelPass {
   private material(fragmentShader: string, uniforms: RawShaderMaterial["uniforms"]): RawShaderMaterial {
     return new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: COVER,
+      vertexShader: COVER_GLSL,
       fragmentShader,
       depthTest: false,
       depthWrite: false,

@@ -4,7 +4,7 @@
  */
 import { LONGEST, MOST_STRETCH } from "../../core/motion/nodePose";
 
-export const COVER = /* glsl */ `
+export const COVER_GLSL = /* glsl */ `
 in vec3 position;
 void main() { gl_Position = vec4(position, 1.0); }
 `;
@@ -12,7 +12,7 @@ void main() { gl_Position = vec4(position, 1.0); }
 /** Most links between a node and the ground. */
 export const MOST_LINKS = 64;
 
-const PARS = /* glsl */ `
+const PARS_GLSL = /* glsl */ `
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -55,7 +55,7 @@ vec3 summed(int slot, int row, out vec4 q) {
 `;
 
 /** Index of the texel in its level, of its tree and of its node. */
-const PLACE = /* glsl */ `
+const PLACE_GLSL = /* glsl */ `
   ivec2 at = ivec2(gl_FragCoord.xy);
   int i = ((at.y - uRow) << uShift) + at.x;
   int slot = i / uNodeCount;
@@ -63,16 +63,16 @@ const PLACE = /* glsl */ `
   int node = i - slot * uNodeCount;
 `;
 
-export const DISPLACE = /* glsl */ `${PARS}
+export const DISPLACE_GLSL = /* glsl */ `${PARS_GLSL}
 void main() {
-  ${PLACE}
+  ${PLACE_GLSL}
   vec4 q;
   vec3 moved = summed(slot, node * 3 * QUADS, q);
   texel = uvec4(floatBitsToUint(moved), floatBitsToUint(q[WIND_CHANNEL]));
 }
 `;
 
-export const SHORTEN = /* glsl */ `${PARS}
+export const SHORTEN_GLSL = /* glsl */ `${PARS_GLSL}
 uniform usampler2D uMoved;
 uniform sampler2D uLinks; // per node: vector from the node before it at rest, and the index of that
 vec3 movedAt(int tree, int of) {
@@ -80,7 +80,7 @@ vec3 movedAt(int tree, int of) {
   return uintBitsToFloat(texelFetch(uMoved, ivec2(i & ((1 << uShift) - 1), uRow + (i >> uShift)), 0).xyz);
 }
 void main() {
-  ${PLACE}
+  ${PLACE_GLSL}
   vec4 q;
   vec3 curl = summed(slot, node * 3 * QUADS, q);
   int tree = slot * uNodeCount;

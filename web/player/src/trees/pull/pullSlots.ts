@@ -19,7 +19,7 @@ export interface PullUniforms {
   readonly uPullField: { value: DataTexture | null };
 }
 
-const WIDTH = 2 ** FLAT_SHIFT;
+const TEXTURE_WIDTH = 2 ** FLAT_SHIFT;
 
 export class PullSlots {
   readonly uniforms: PullUniforms = {
@@ -34,7 +34,7 @@ export class PullSlots {
 
   /** `holds`: of each vertex, the one whose displacement it takes. */
   constructor(private readonly holds: Uint32Array) {
-    this.rows = Math.ceil((3 * holds.length) / WIDTH);
+    this.rows = Math.ceil((3 * holds.length) / TEXTURE_WIDTH);
   }
 
   /** Shows these pulls instead of the previous ones; only the first few are shown. */
@@ -44,7 +44,7 @@ export class PullSlots {
     uPulls.value = pulls.length;
     for (const [k, { x, z, force_N, field }] of pulls.entries()) {
       const slot = this.slotOf(field, pulls);
-      uPullPlace.value[k].set(x, z, slot * this.rows * WIDTH, 0);
+      uPullPlace.value[k].set(x, z, slot * this.rows * TEXTURE_WIDTH, 0);
       uPullForce.value[k].set(...force_N);
     }
   }
@@ -61,10 +61,10 @@ export class PullSlots {
   }
 
   private fill(slot: number, field: Float32Array): void {
-    this.target ??= flatTexture(MOST_PULLS * this.rows * WIDTH, 4);
+    this.target ??= flatTexture(MOST_PULLS * this.rows * TEXTURE_WIDTH, 4);
     const { data, texture } = this.target;
     this.uniforms.uPullField.value = texture;
-    const first = 4 * slot * this.rows * WIDTH;
+    const first = 4 * slot * this.rows * TEXTURE_WIDTH;
     for (const [vertex, hold] of this.holds.entries()) {
       for (let column = 0; column < 3; column++) {
         const from = 9 * hold + 3 * column;

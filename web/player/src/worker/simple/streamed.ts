@@ -28,7 +28,7 @@ interface StreamedTable {
   readonly sha256: string;
 }
 
-const SHA256 = /[0-9a-f]{64}/;
+const SHA256_PATTERN = /[0-9a-f]{64}/;
 
 export class StreamedForest {
   time_s = 0;
@@ -45,7 +45,7 @@ export class StreamedForest {
 
   /** `from`: address of the table at the service, which names its hash. */
   read(table: number, bytes: ArrayBuffer, from: string): DrawnMotion {
-    const sha256 = SHA256.exec(from)?.[0];
+    const sha256 = SHA256_PATTERN.exec(from)?.[0];
     if (!sha256)
       throw new Error(`${from}: a stream moves trees of its service only: take them from servedTrees()`);
     const decoded = decodeWithoutRecords(bytes);

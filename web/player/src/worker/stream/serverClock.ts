@@ -1,6 +1,6 @@
 /** Estimates the server's clock from the recent ping with the shortest round trip. Pure. */
 
-const KEPT = 16;
+const MAX_KEPT_PINGS = 16;
 
 export class ServerClock {
   private readonly seen: { round_ms: number; ahead_ms: number }[] = [];
@@ -10,7 +10,7 @@ export class ServerClock {
   pong(sent_ms: number, back_ms: number, server_s: number): void {
     const round_ms = back_ms - sent_ms;
     this.seen.push({ round_ms, ahead_ms: server_s * 1000 - (sent_ms + back_ms) / 2 });
-    if (this.seen.length > KEPT) this.seen.shift();
+    if (this.seen.length > MAX_KEPT_PINGS) this.seen.shift();
     this.ahead_ms = this.seen.reduce((best, one) => (one.round_ms < best.round_ms ? one : best)).ahead_ms;
   }
 

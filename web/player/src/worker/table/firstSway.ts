@@ -5,7 +5,7 @@ import type { Table } from "../../core/table/table";
 import type { FirstSway } from "../protocol";
 
 /** Oscillators that may be the first sway along x and z. */
-const FIRST = 2;
+const FIRST_SWAY_OSCILLATORS = 2;
 const LEAST_HZ = 0.02;
 
 /** Frequency, damping ratio and static response to a unit force of one oscillator, from its step of `dt_s`. */
@@ -28,7 +28,9 @@ export function firstSwayOf(table: Table, stride: number, basis: Float32Array): 
   const oscillators = Array.from({ length: count }, (_, k) =>
     oscillatorOf(step.subarray(6 * k, 6 * k + 6), dt_s),
   );
-  const first = oscillators.slice(0, FIRST).sort((a, b) => a.frequency_hz - b.frequency_hz)[0];
+  const first = oscillators
+    .slice(0, FIRST_SWAY_OSCILLATORS)
+    .sort((a, b) => a.frequency_hz - b.frequency_hz)[0];
   const node = tipNode({ stride, modes, basis });
   let tip_m_pa = 0;
   for (const [axis, along] of [

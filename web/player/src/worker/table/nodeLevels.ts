@@ -6,7 +6,7 @@ import type { NodeLevel } from "../protocol";
  * Number of nodes, of texels of four modes (the last holds the wind), and of modes of the gust layer among them, for
  * each level after the full one.
  */
-const COARSER = [
+const COARSER_LEVELS = [
   { nodes: 256, quads: 6, gusts: 8 },
   { nodes: 112, quads: 4, gusts: 4 },
   { nodes: 48, quads: 2, gusts: 2 },
@@ -103,9 +103,9 @@ function groupParents(parent: Uint16Array, group: Uint16Array, groups: number): 
 /** The levels after the full one. */
 export function coarserNodes(table: Table): NodeLevel[] {
   const { modes: all } = table.metadata;
-  const numbers = COARSER.map(({ nodes }) => nodes);
+  const numbers = COARSER_LEVELS.map(({ nodes }) => nodes);
   const grouped = groupRows(weighed(table), 6 * all, numbers);
-  return COARSER.map(({ quads: most, gusts }, level) => {
+  return COARSER_LEVELS.map(({ quads: most, gusts }, level) => {
     const of = grouped[level].slice();
     const nodes = of.reduce((a, b) => Math.max(a, b), 0) + 1;
     const quads = Math.min(most, Math.ceil((all + 1) / 4));

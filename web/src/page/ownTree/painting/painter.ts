@@ -7,7 +7,7 @@ import { PieceColours, pieceMaterial } from "./pieceMaterial";
 import type { PieceModel } from "./pieceModel";
 
 /** Wide ground is not shown whole. */
-const WIDEST = 1.2;
+const MAX_WIDTH_RATIO = 1.2;
 
 export interface PainterEvents {
   /** A stroke was painted, undone or redone. */
@@ -54,7 +54,7 @@ export class Painter {
     this.group.add(...parts.map(({ geometry, map }) => new Mesh(geometry, pieceMaterial(this.colours, map))));
     this.group.scale.setScalar(scale);
     this.group.position.set(-scale * middle.x, -scale * box.min.y, -scale * middle.z);
-    const radius_m = Math.min((scale * Math.max(size.x, size.z)) / 2, WIDEST * height_m);
+    const radius_m = Math.min((scale * Math.max(size.x, size.z)) / 2, MAX_WIDTH_RATIO * height_m);
     this.stage.frame({ height_m, radius_m });
   }
 

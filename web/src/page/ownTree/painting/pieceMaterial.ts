@@ -9,7 +9,7 @@ export const KIND_COLOURS: Record<PieceKind, readonly [number, number, number]> 
   leaves: [0x7f, 0xb0, 0x61],
   other: [0x6d, 0x74, 0x7a],
 };
-const WIDTH = 256;
+const TEXTURE_WIDTH = 256;
 
 /** The colour of every piece, one texel each. */
 export class PieceColours {
@@ -17,9 +17,9 @@ export class PieceColours {
   private readonly bytes: Uint8Array;
 
   constructor(count: number) {
-    const rows = Math.max(1, Math.ceil(count / WIDTH));
-    this.bytes = new Uint8Array(4 * WIDTH * rows).fill(255);
-    this.texture = new DataTexture(this.bytes, WIDTH, rows);
+    const rows = Math.max(1, Math.ceil(count / TEXTURE_WIDTH));
+    this.bytes = new Uint8Array(4 * TEXTURE_WIDTH * rows).fill(255);
+    this.texture = new DataTexture(this.bytes, TEXTURE_WIDTH, rows);
     this.texture.magFilter = this.texture.minFilter = NearestFilter;
   }
 
@@ -29,7 +29,7 @@ export class PieceColours {
   }
 }
 
-const VERTEX = /* glsl */ `
+const VERTEX_GLSL = /* glsl */ `
 attribute float piece;
 flat varying int row;
 varying vec3 place;
@@ -43,7 +43,7 @@ void main() {
 }`;
 
 // The normal is that of the face, because pieces have none of their own.
-const FRAGMENT = /* glsl */ `
+const FRAGMENT_GLSL = /* glsl */ `
 uniform sampler2D colours;
 uniform sampler2D leaf;
 uniform bool cutOut;
@@ -60,13 +60,13 @@ void main() {
   }
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   float light = 0.42 + 0.58 * max(0.0, dot(normal, normalize(vec3(0.35, 0.75, 0.55))));
-  gl_FragColor = vec4(texelFetch(colours, ivec2(row % ${WIDTH}, row / ${WIDTH}), 0).rgb * light, 1.0);
+  gl_FragColor = vec4(texelFetch(colours, ivec2(row % ${TEXTURE_WIDTH}, row / ${TEXTURE_WIDTH}), 0).rgb * light, 1.0);
 }`;
 
 export function pieceMaterial(colours: PieceColours, map: Texture | null): ShaderMaterial {
   return new ShaderMaterial({
-    vertexShader: VERTEX,
-    fragmentShader: FRAGMENT,
+    vertexShader: VERTEX_GLSL,
+    fragmentShader: FRAGMENT_GLSL,
     uniforms: {
       colours: { value: colours.texture },
       leaf: { value: map },

@@ -10,9 +10,9 @@ import {
   windAtPlace,
 } from "./dial";
 
-const SVG = "http://www.w3.org/2000/svg";
-const RIM = 64;
-const VIEW = 84;
+const SVG_NAMESPACE = "http://www.w3.org/2000/svg";
+const RIM_RADIUS = 64;
+const HALF_VIEW_SIZE = 84;
 const LETTERS = { E: 0, S: 90, W: 180, N: 270 } as const;
 
 function draw<K extends keyof SVGElementTagNameMap>(
@@ -20,14 +20,14 @@ function draw<K extends keyof SVGElementTagNameMap>(
   tag: K,
   attributes: Record<string, string | number>,
 ): SVGElementTagNameMap[K] {
-  const made = document.createElementNS(SVG, tag);
+  const made = document.createElementNS(SVG_NAMESPACE, tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
   parent.append(made);
   return made;
 }
 
 export class WindRose {
-  readonly element = document.createElementNS(SVG, "svg");
+  readonly element = document.createElementNS(SVG_NAMESPACE, "svg");
   private readonly letters: SVGTextElement[];
   private readonly labels: { label: SVGTextElement; radius: number }[];
   private readonly shaft: SVGLineElement;
@@ -39,11 +39,14 @@ export class WindRose {
 
   constructor(private readonly changed: (wind: DialWind) => void) {
     const svg = this.element;
-    svg.setAttribute("viewBox", `${-VIEW} ${-VIEW} ${2 * VIEW} ${2 * VIEW}`);
+    svg.setAttribute(
+      "viewBox",
+      `${-HALF_VIEW_SIZE} ${-HALF_VIEW_SIZE} ${2 * HALF_VIEW_SIZE} ${2 * HALF_VIEW_SIZE}`,
+    );
     svg.classList.add("rose");
-    draw(svg, "circle", { r: RIM + 16, class: "rose-face" });
+    draw(svg, "circle", { r: RIM_RADIUS + 16, class: "rose-face" });
     for (const speed_m_s of RINGS_M_S)
-      draw(svg, "circle", { r: radiusOf(speed_m_s) * RIM, class: "rose-ring" });
+      draw(svg, "circle", { r: radiusOf(speed_m_s) * RIM_RADIUS, class: "rose-ring" });
     this.letters = Object.keys(LETTERS).map((letter) => {
       const text = draw(svg, "text", { class: "rose-letter", "text-anchor": "middle", dy: "0.35em" });
       text.textContent = letter;
@@ -52,7 +55,7 @@ export class WindRose {
     this.labels = RINGS_M_S.map((speed_m_s) => {
       const label = draw(svg, "text", { class: "rose-speed", "text-anchor": "middle", dy: "0.35em" });
       label.textContent = speed_m_s === FASTEST_M_S ? `${speed_m_s} m/s` : String(speed_m_s);
-      return { label, radius: radiusOf(speed_m_s) * RIM };
+      return { label, radius: radiusOf(speed_m_s) * RIM_RADIUS };
     });
     this.shaft = draw(svg, "line", { class: "rose-shaft", x1: 0, y1: 0 });
     this.handle = draw(svg, "g", { class: "rose-handle", tabindex: 0, role: "slider" });
@@ -92,7 +95,7 @@ export class WindRose {
   private drag(event: PointerEvent): void {
     const { dial } = this;
     if (!dial) return;
-    const unit = (dial.width / (2 * VIEW)) * RIM;
+    const unit = (dial.width / (2 * HALF_VIEW_SIZE)) * RIM_RADIUS;
     const right = (event.clientX - dial.left - dial.width / 2) / unit;
     const down = (event.clientY - dial.top - dial.height / 2) / unit;
     this.choose(windAtPlace({ right, down }, this.turn_deg, this.wind));
@@ -120,16 +123,16 @@ export class WindRose {
     this.turn_deg = turn_deg;
     const { right, down } = placeOfWind(wind, turn_deg);
     this.placeLabels(wind.direction_deg + turn_deg);
-    this.shaft.setAttribute("x2", String(right * RIM));
-    this.shaft.setAttribute("y2", String(down * RIM));
-    const place = `translate(${right * RIM} ${down * RIM}) rotate(${wind.direction_deg + turn_deg})`;
+    this.shaft.setAttribute("x2", String(right * RIM_RADIUS));
+    this.shaft.setAttribute("y2", String(down * RIM_RADIUS));
+    const place = `translate(${right * RIM_RADIUS} ${down * RIM_RADIUS}) rotate(${wind.direction_deg + turn_deg})`;
     this.handle.setAttribute("transform", place);
     this.handle.setAttribute("aria-valuenow", wind.mean_speed_m_s.toFixed(1));
     this.handle.setAttribute("aria-valuetext", windInWords(wind.mean_speed_m_s, wind.direction_deg));
     Object.values(LETTERS).forEach((angle_deg, k) => {
       const angle = ((angle_deg + turn_deg) * Math.PI) / 180;
-      this.letters[k].setAttribute("x", String((RIM + 9) * Math.cos(angle)));
-      this.letters[k].setAttribute("y", String((RIM + 9) * Math.sin(angle)));
+      this.letters[k].setAttribute("x", String((RIM_RADIUS + 9) * Math.cos(angle)));
+      this.letters[k].setAttribute("y", String((RIM_RADIUS + 9) * Math.sin(angle)));
     });
   }
 }

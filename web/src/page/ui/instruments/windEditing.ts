@@ -9,11 +9,11 @@ import {
   type WindNumber,
 } from "galewood/wind";
 
-const STANDARD = { length_scale_m: 25, beta: 5 / 3 };
+const STANDARD_VALUES = { length_scale_m: 25, beta: 5 / 3 };
 
 /** Changes the model: keeps the common fields, adds the defaults of new ones and removes the rest. */
 export function withModel(wind: WindDocument, model: WindModel): WindDocument {
-  const { waves, recording, ...numbers } = { ...STANDARD, ...wind };
+  const { waves, recording, ...numbers } = { ...STANDARD_VALUES, ...wind };
   const kept = Object.entries(numbers).filter(
     ([name]) => name === "version" || name === "model" || hasField(model, name as WindNumber),
   );
@@ -48,4 +48,4 @@ const alike = (a: unknown, b: unknown): boolean =>
   a === b || (typeof a === "number" && typeof b === "number" && Math.abs(a - b) < 1e-6);
 
 const isUsual = (a: WindDocument, b: WindDocument): boolean =>
-  (a.beta ?? STANDARD.beta) === (b.beta ?? STANDARD.beta);
+  (a.beta ?? STANDARD_VALUES.beta) === (b.beta ?? STANDARD_VALUES.beta);

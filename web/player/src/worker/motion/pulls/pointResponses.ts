@@ -23,7 +23,7 @@ export type PublishField = (table: string, vertex: number, field: Float32Array<A
 const NO_FILES: ComplianceFiles = { load: () => Promise.resolve(), get: () => null };
 
 /** Responses are kept for as many points. */
-const KEPT = 8;
+const MAX_KEPT_POINTS = 8;
 
 export class PointResponses {
   private readonly settled = new Map<string, "loading" | "settled">();
@@ -42,7 +42,7 @@ export class PointResponses {
     if (known !== undefined) return known;
     const response = respond(table, vertex, compliance === null ? null : this.files.get(compliance));
     if (response?.rest) this.publish(sha256, vertex, response.rest.field);
-    for (const old of this.known.keys()) if (this.known.size >= KEPT) this.known.delete(old);
+    for (const old of this.known.keys()) if (this.known.size >= MAX_KEPT_POINTS) this.known.delete(old);
     this.known.set(key, response);
     return response;
   }
