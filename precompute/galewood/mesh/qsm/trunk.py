@@ -49,9 +49,9 @@ def trunk_warnings(tree: Cylinders, trunk: Branch) -> list[str]:
     child = np.flatnonzero(tree.parent != NO_CYLINDER)
     swollen = child[tree.radius_m[child] > MAX_RADIUS_GROWTH * tree.radius_m[tree.parent[child]]]
     if len(swollen):
+        thickest_mm = 1000 * float(tree.radius_m[swollen].max())
         found.append(
-            f"{len(swollen)} cylinders are more than {MAX_RADIUS_GROWTH:g} times as thick as the one "
-            f"they grow from (the thickest has a radius of {1000 * float(tree.radius_m[swollen].max()):.0f} mm): "
-            "check their radii."
+            f"{len(swollen)} cylinders are more than {MAX_RADIUS_GROWTH:g} times as thick as the one they grow "
+            f"from (the thickest has a radius of {thickest_mm:.0f} mm): check their radii."
         )
     return found
