@@ -19,7 +19,7 @@ test("pieces can be chosen as wood, leaves or left out, and restored", async ({ 
   const ground = list.getByRole("combobox", { name: /Ground/ });
   await expect(ground).toHaveValue("other");
   await expect(dialog.getByText(/Left out, because it is not the tree: ground/)).toBeVisible();
-  await expect(list.getByRole("button", { name: "All as detected" })).toHaveCount(0);
+  await expect(list.getByRole("button", { name: "Reset to detected" })).toHaveCount(0);
 
   const { violations } = await new AxeBuilder({ page }).include("dialog.own-tree").analyze();
   expect(violations).toEqual([]);
@@ -29,7 +29,7 @@ test("pieces can be chosen as wood, leaves or left out, and restored", async ({ 
   const { report } = (await answer.json()) as { report: { parts: { kind: string; faces: number }[] } };
   expect(report.parts.filter(({ kind }) => kind === "leaves").map(({ faces }) => faces)).toEqual([2]);
   await expect(list.getByRole("combobox", { name: /Lawn/ })).toHaveValue("leaves");
-  await Promise.all([imported(), list.getByRole("button", { name: "All as detected" }).click()]);
+  await Promise.all([imported(), list.getByRole("button", { name: "Reset to detected" }).click()]);
   await expect(ground).toHaveValue("other");
   await dialog.getByRole("button", { name: "Discard" }).click();
   await expect(dialog).toHaveCount(0);

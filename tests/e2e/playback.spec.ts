@@ -32,7 +32,7 @@ test.describe("the picture", () => {
     await frames(page, 5);
     const before = await page.evaluate(() => window.galewood!.crownDisplacement_m);
     await page.getByRole("button", { name: "Settings" }).click();
-    await page.getByRole("button", { name: "Pause, and one step on" }).click();
+    await page.getByRole("button", { name: "Pause and step" }).click();
     await expect.poll(() => page.evaluate(() => window.galewood!.crownDisplacement_m)).not.toEqual(before);
     await frames(page, 5);
     const after = await picture(page);

@@ -80,7 +80,7 @@ async function start(page: Page, comment: string) {
   const dialog = page.getByRole("dialog", { name: /garden/i });
   await expect(dialog.getByLabel("Height (m)")).toHaveValue(/\d/);
   // Thick and bare: as stiff as its wood it would not seem to move, so the slider starts at the lively end.
-  await expect(dialog.getByText(/would hardly seem to move/)).toBeVisible();
+  await expect(dialog.getByText(/would be barely visible/)).toBeVisible();
   await expect(dialog.getByRole("slider", { name: /Stiffness/ })).toHaveValue("1");
   await dialog.getByRole("button", { name: "Add to the forest" }).click();
   await expect(dialog.getByRole("progressbar", { name: /garden/i })).toBeVisible();

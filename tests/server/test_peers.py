@@ -200,7 +200,7 @@ def test_its_clients_come_back_by_another_server_when_one_is_killed_stopped_or_f
                 while True:
                     client.receive()
             frames_until(moved, lambda frame: frame.tick >= 90)
-    assert two.log().count("does not answer") >= 1
+    assert two.log().count("does not respond") >= 1
 
 
 def test_a_server_does_not_start_a_second_forest_of_the_same_name(peers: Peers) -> None:

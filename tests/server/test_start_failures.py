@@ -95,7 +95,7 @@ def no_database_address(_data: Path) -> dict[str, str]:
         (a_file, "is not a folder: move the file away, or set GALEWOOD_DATA_DIR"),
         (below_a_file, "is not a folder: move the file away, or set GALEWOOD_DATA_DIR"),
         (a_folder_instead_of_the_database, "galewood.sqlite cannot be opened for writing (unable to open"),
-        (unreachable, "does not answer (connection failed"),
+        (unreachable, "does not respond (connection failed"),
         (no_database_address, "GALEWOOD_DATABASE_URL is not the address of a database"),
     ],
 )
@@ -119,7 +119,7 @@ def test_a_server_that_cannot_start_says_why(tmp_path: Path, prepare: Prepare, e
         (torn, "is damaged (database disk image is malformed)"),
         (of_another_version, ANOTHER_VERSION),
         (a_file, "galewood.sqlite cannot be opened"),
-        (unreachable, "does not answer (connection failed"),
+        (unreachable, "does not respond (connection failed"),
         (no_database_address, "GALEWOOD_DATABASE_URL is not the address of a database"),
     ],
 )
@@ -176,7 +176,7 @@ def sqlite_error(code: int) -> OperationalError:
         (sqlite_error(sqlite3.SQLITE_READONLY), "cannot be opened for writing (it failed)"),
         (sqlite_error(sqlite3.SQLITE_READONLY_DIRECTORY), "cannot be opened for writing (it failed)"),
         (sqlite_error(sqlite3.SQLITE_BUSY), "no other program has locked it"),
-        (sqlite_error(sqlite3.SQLITE_IOERR_READ), "does not answer (it failed)"),
+        (sqlite_error(sqlite3.SQLITE_IOERR_READ), "does not respond (it failed)"),
     ],
 )
 def test_failures_have_a_sentence(error: Exception, expected: str) -> None:

@@ -35,9 +35,9 @@ describe("the state of the paper's method", () => {
     const noteOf = (...all: KnownTree[]) =>
       paperNote(all.map((one) => ({ known: one, state: paperStateOf(one, false) })));
     expect(noteOf(known({ motion: motion({ hasRecords: true }) }))).toBe("");
-    expect(noteOf(known())).toBe("Ash: not computed\nInstead: modal reduced order.");
+    expect(noteOf(known())).toBe("Ash: not computed\nUsing the modal model instead.");
     expect(noteOf(known({ job: running("records", 0.07) }))).toBe(
-      "Ash: being computed, 7 %\nUntil then: modal reduced order.",
+      "Ash: being computed, 7 %\nUsing the modal model until then.",
     );
     expect(noteOf(...Array.from({ length: 6 }, () => known())).split("\n")).toHaveLength(6);
   });
@@ -98,7 +98,7 @@ describe("records are fetched", () => {
     paper.chosen();
     paper.update();
     expect(asked).toMatchObject([{ table: "t", records: "r" }]);
-    expect(paper.note).toBe("Ash: loading\nUntil then: modal reduced order.");
+    expect(paper.note).toBe("Ash: loading\nUsing the modal model until then.");
     expect(paper.moves(trees[0])).toBe(false);
     asked[0].resolve();
     await settle();

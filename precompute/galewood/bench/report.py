@@ -21,7 +21,7 @@ def _fem(f: Figures) -> list[str]:
         f"  factorisation and solve: {own_ms:.3f} ms",
     ]
     for name, rival in rivals.items():
-        strongest = ", the strongest rival" if name == f["strongest_rival"] else ""
+        strongest = ", the fastest other solver" if name == f["strongest_rival"] else ""
         lines.append(
             f"  with {name}{strongest}: {rival['factorisation_and_solve_ms']:.2f} ms, "
             f"{rival['factorisation_and_solve_ratio']:.1f} times ours; "

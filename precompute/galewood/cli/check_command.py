@@ -1,4 +1,4 @@
-"""`galewood check`: reads a mesh as a build does and tells what it found, before anything is computed."""
+"""`galewood check`: reads a mesh as a build does and reports what it found, before anything is computed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PREVIEW_PX = 768
 def check(
     mesh: Mesh, preview: Preview = None, strict: Strict = False, json_out: JsonOut = None, **chosen: Any
 ) -> None:
-    """Read a tree mesh and tell its parts, assumptions, warnings, first frequency and expected sway.
+    """Inspect a tree mesh: parts, assumptions, warnings, first frequency and expected sway.
 
     Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings (only with --strict).
     """

@@ -95,5 +95,5 @@ def wood_document(path: Path | None) -> WoodDocument | None:
         return read_wood_document(path.read_bytes())
     except WoodError as error:
         problems = [f"{name}: {what}" for name, what in error.problems]
-        console.print(f"[red]{path} does not describe a wood.[/red]", *problems)
+        console.print(f"[red]{path} is not a valid wood document.[/red]", *problems)
     raise typer.Exit(1)

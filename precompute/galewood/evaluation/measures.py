@@ -70,7 +70,7 @@ def figures(error: ErrorByFrame, height_m: float, lead: int = 0) -> dict[str, An
 def growth(error: ErrorByFrame, height_m: float) -> dict[str, float | None]:
     """Largest error of the second half over that of the first, plain and relative to each half's sway.
 
-    None where the first half has no error, or where a half hardly moves (``MIN_SWAY_SHARE``).
+    None where the first half has no error, or where a half barely moves (``MIN_SWAY_SHARE``).
     """
     half = len(error.largest_m) // 2
     first, second = error.largest_m[:half].max(), error.largest_m[half:].max()

@@ -32,7 +32,7 @@ class GltfFile:
         found = [self._vertices(mesh) for mesh in self.gltf.meshes]
         if found != self.counts:
             raise ExportError(
-                "the mesh has other vertices than the mesh of the table: use the GLB of its build"
+                "the vertices of the mesh differ from those of the table's mesh: use the GLB of its build"
             )
 
     def _vertices(self, mesh: pygltflib.Mesh) -> int:

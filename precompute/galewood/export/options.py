@@ -27,7 +27,7 @@ class ExportOptions:
     format: TextureFormat = "exr"
     """Of vertex animation textures."""
     bones: int = MOST_BONES
-    """Most bones of a skeleton."""
+    """Maximum number of bones."""
 
     def document(self) -> dict[str, Any]:
         """The options as JSON, in a fixed order."""

@@ -62,7 +62,7 @@ def weightless_pose(gravity_n: Floats) -> RestPose:
     """The given shape as the rest pose without any weight, for a tree that would buckle under it."""
     warning = (
         "This tree would buckle under its own weight, so the weight is left out. The tree sways slightly too "
-        "fast; thicker wood or a smaller height would let it stand."
+        "fast; with thicker wood or a smaller height it would stand."
     )
     return RestPose(
         np.zeros_like(gravity_n), np.zeros_like(gravity_n), {"kind": "weightless", "warning": warning}

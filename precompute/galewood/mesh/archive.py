@@ -101,7 +101,7 @@ def model_in(archive: Archive) -> tuple[str, list[str]]:
     if len(same) > 1 or (len(stems) > 1 and _suffix(best) not in (".glb", ".gltf")):
         raise _several(models)
     warnings = [
-        f"The ZIP archive also holds {_short(name)!r}, which is not used: {_short(best)!r} is."
+        f"The ZIP archive also contains {_short(name)!r}, which is not used: {_short(best)!r} is."
         for name in models
         if name != best
     ]
@@ -117,7 +117,7 @@ def _check(entry: zipfile.ZipInfo) -> None:
         raise MeshError(
             "zip-names", "unsupported",
             f"The ZIP archive has a file with an unacceptable name: {_short(name)!r}.",
-            "Names must not be absolute and must not lead out of the archive.",
+            "Names must be relative and stay inside the archive.",
         )  # fmt: skip
     if stat.S_ISLNK(entry.external_attr >> 16):
         raise _broken(f"{_short(name)!r} in the ZIP archive is a link.")
@@ -152,20 +152,20 @@ def _no_model(names: list[str]) -> MeshError:
     other = _of(names, UNREADABLE_SUFFIXES)
     inner = _of(names, ARCHIVES)
     if other:
-        title = f"The ZIP archive holds {_short(other[0])!r}, which cannot be read."
+        title = f"The ZIP archive contains {_short(other[0])!r}, which cannot be read."
         return MeshError(
             "unsupported-type", "unsupported", title, "Export it as GLB (in Blender: glTF Binary)."
         )
     if inner:
-        title = f"The ZIP archive holds only another archive, {_short(inner[0])!r}."
+        title = f"The ZIP archive contains only another archive, {_short(inner[0])!r}."
         return MeshError("nested-archive", "unsupported", title, "Unpack it and upload the archive inside.")
-    return MeshError("unsupported-type", "unsupported", "The ZIP archive holds no model.", ARCHIVE_HINT)
+    return MeshError("unsupported-type", "unsupported", "The ZIP archive contains no model.", ARCHIVE_HINT)
 
 
 def _several(models: list[str]) -> MeshError:
     listed = ", ".join(_short(name) for name in models[:12]) + (", …" if len(models) > 12 else "")
     return MeshError(
-        "several-models", "unsuitable", f"The ZIP archive holds {len(models)} models: {listed}.",
+        "several-models", "unsuitable", f"The ZIP archive contains {len(models)} models: {listed}.",
         "Upload one of them, or an archive with one of them and its textures.",
     )  # fmt: skip
 

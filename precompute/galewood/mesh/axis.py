@@ -99,8 +99,8 @@ def decided(weights: dict[str, dict[Axis, float]], file_format: str) -> Choice:
         if best == "y" or confidence < CERTAIN:
             return _as_stated(stated, weights, totals)
         against = [stated]
-    reason = ", ".join(favouring) or "no indicator favours another"
-    reason += f"; but {', '.join(against)} would suggest another" if against else ""
+    reason = ", ".join(favouring) or "no evidence for another axis"
+    reason += f"; but {', '.join(against)} suggest another" if against else ""
     return Choice(best, reason, assumed=True, unsure=confidence < SURE, confidence=confidence)
 
 

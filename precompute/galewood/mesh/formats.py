@@ -59,7 +59,7 @@ def read_parts(data: bytes, filename: str, options: ImportRequest) -> FileConten
     content = archive.read(name)
     if content.startswith(ZIP) or not content.strip():
         raise MeshError(
-            "nested-archive", "unsupported", f"{name[:80]!r} in the ZIP archive is no model.", ACCEPTED
+            "nested-archive", "unsupported", f"{name[:80]!r} in the ZIP archive is not a model.", ACCEPTED
         )
     return _read_model(content, name, options, source)
 

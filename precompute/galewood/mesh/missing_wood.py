@@ -330,7 +330,7 @@ class _Grower:
         return "there is foliage that the wood does not reach"
 
 
-DISABLE_HINT = "To do without, choose not to complete the wood (--no-complete)."
+DISABLE_HINT = "To disable this, choose not to complete the wood (--no-complete)."
 
 
 def _words(lines: list[AddedLine]) -> str:
@@ -342,7 +342,7 @@ def _words(lines: list[AddedLine]) -> str:
         longest = f"{max(stems):.2g} m"
         words.append(f"a stem of {longest}" if len(stems) == 1 else f"{len(stems)} stems of up to {longest}")
     if boughs:
-        words.append("a bough" if boughs == 1 else f"{boughs} boughs")
+        words.append("a branch" if boughs == 1 else f"{boughs} branches")
     if fronds:
         words.append("the rib of a frond" if fronds == 1 else f"the ribs of {fronds} fronds")
     text = ", ".join(words[:-1]) + (" and " if len(words) > 1 else "") + words[-1]

@@ -90,7 +90,7 @@ def _supported(model: FemModel, system: ElementSystem, limbs: Limbs) -> Resting:
     loaded = replace(model, strain_m=strain_under(model, _bearing(model, system)))
     support = supporting_factors(system, rest_prestress(loaded), limbs.limb)
     if not support.stands:
-        raise NotPositiveDefinite("no stiffness lets the tree carry its weight")
+        raise NotPositiveDefinite("the tree cannot carry its weight at any stiffness")
     model = replace(model, blocks=model.blocks * support.factor[:, None, None, None])
     system.set_blocks(model.blocks)
     return _loaded(model, system, {"kind": "supported", **_supported_report(support, limbs)})

@@ -45,7 +45,7 @@ def _loaded(tree: str | Path, mesh: str | Path | None) -> MotionTable:
         path = builtin[tree]
     if not path.exists():
         known = ", ".join(builtin)
-        raise FileNotFoundError(errno.ENOENT, f"no such file, and no built-in tree ({known})", str(tree))
+        raise FileNotFoundError(errno.ENOENT, f"neither a file nor a built-in tree ({known})", str(tree))
     return load(path, mesh=mesh)
 
 

@@ -150,7 +150,7 @@ class BuildRequest(ImportRequest):
         "share of its height; default: as stiff as its wood.",
     )
     wood: WoodDocument | None = Field(
-        default=None, description="Constants of a wood of your own; they take precedence over the species."
+        default=None, description="Custom wood properties; they take precedence over the species."
     )
 
     @model_validator(mode="after")

@@ -49,7 +49,7 @@ def confine(folder: Path, readable: Iterable[str] = ()) -> list[str]:
     if not _restrict_files(folder, readable):
         missing.append("files are not confined: the kernel has no Landlock")
     if not _drop_capabilities():
-        missing.append("the rights of root are not dropped")
+        missing.append("root privileges are not dropped")
     if not restrict_calls():
         missing.append("processes and the network are not blocked: the kernel rejects seccomp filters")
     return missing

@@ -39,7 +39,7 @@ def _opened(path: Path) -> Generator[IO[bytes]]:
         raise UntrustworthyError(str(error)) from error
     with os.fdopen(descriptor, "rb") as file:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-            raise UntrustworthyError(f"{path.name} is no file")
+            raise UntrustworthyError(f"{path.name} is not a file")
         yield file
 
 
@@ -61,7 +61,7 @@ def read_arrays(path: Path, limit_bytes: int) -> Arrays:
         except Exception as error:  # whatever the parsers of archives and arrays raise for such bytes
             raise UntrustworthyError(f"{path.name}: {error}") from error
     if not all(isinstance(one, np.ndarray) for one in arrays.values()):
-        raise UntrustworthyError(f"{path.name} holds something else than arrays")
+        raise UntrustworthyError(f"{path.name} contains something other than arrays")
     return arrays
 
 
@@ -74,7 +74,7 @@ def read_error(path: Path) -> MeshError:
             raise UntrustworthyError(f"{path.name}: {error}") from error
     fields = ("code", "reason", "title", "hint")
     if not isinstance(given, dict) or not all(isinstance(given.get(name), str) for name in fields):
-        raise UntrustworthyError(f"{path.name} describes no error")
+        raise UntrustworthyError(f"{path.name} is not an error description")
     if given["reason"] not in get_args(Reason):
         raise UntrustworthyError(f"{path.name} has an unknown reason")
     return MeshError(*(given[name] for name in fields))

@@ -106,7 +106,7 @@ def against_generator(one: Specimen) -> Iterator[Check]:
     note = f"{match.found} of {match.true} found, {extra} that are none"
     note += f"; limbs touch {one.skeleton.report['meetings']} times"
     wrong = (match.true - match.found + extra) / match.true
-    yield absolute(f"{one.name}: branches missed or made up", wrong, 0.035, note)
+    yield absolute(f"{one.name}: branches missed or spurious", wrong, 0.035, note)
 
 
 def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:

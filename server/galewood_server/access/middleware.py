@@ -94,7 +94,7 @@ class AccessControl:
             raise ProblemError(
                 429,
                 "too-many-open-requests",
-                "Too many requests of this address are in progress",
+                "Too many requests from this address are in progress",
                 detail=f"The limit is {most} at a time.",
                 hint="Wait until some of them are answered.",
                 headers={"Retry-After": "5"},

@@ -50,7 +50,7 @@ def check_host(headers: Headers, settings: Settings) -> None:
         raise ProblemError(
             421,
             "unknown-host",
-            "This server does not answer under this name",
+            "This server does not serve this host name",
             detail=f"The request was sent to {', '.join(given)[:80]!r}.",
             hint="Use localhost or an IP address, or add the origin, e.g. https://trees.example.org, to"
             " GALEWOOD_ALLOWED_ORIGINS.",

@@ -43,7 +43,7 @@ async def read_pieces(tree_id: str, service: ServiceDep) -> Response:
     status_code=201,
     max_body_size=64 * 1024,
     responses={
-        200: {"model": TreeOut, "description": "There is such a tree already."},
+        200: {"model": TreeOut, "description": "Such a tree already exists."},
         **problems(400, 403, 404, 413, 422, 503, 507),
     },
 )

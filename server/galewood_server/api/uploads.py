@@ -157,7 +157,7 @@ def _insert(session: Session, tree: Tree, ids: tuple[str, ...]) -> tuple[TreeOut
                 duplicate = _find_same(session, source_sha256, options)
                 if duplicate:
                     return tree_out(duplicate), False
-    raise RuntimeError("a new identifier was taken already")
+    raise RuntimeError("a new identifier was already taken")
 
 
 def _tree_id(source_sha256: str, options: dict[str, Any]) -> str:

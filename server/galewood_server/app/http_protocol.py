@@ -29,7 +29,7 @@ FULL_PROBLEM = Problem(
     code="too-many-connections",
     title="Too many open connections",
     detail="The server has reached its limit of connections with requests in progress.",
-    hint="Try again in some seconds.",
+    hint="Try again in a few seconds.",
     retry_after_s=5,
 )
 ACCEPTED_AT_ONCE, LISTEN_BACKLOG = 16, 2048
@@ -79,7 +79,7 @@ def protocol_with_limits(
             try:
                 await self._served(scope, receive, send)
             except asyncio.CancelledError:  # uvicorn's, for requests that outlast the time to stop
-                log.info("%s %s was broken off: the server stops", scope["method"], scope["path"][:200])
+                log.info("%s %s was aborted: the server is stopping", scope["method"], scope["path"][:200])
                 if not cycle.response_started and not cycle.disconnected:
                     await STOPPING_PROBLEM.response()(scope, receive, send)
             if self._stopping and not cycle.response_complete:

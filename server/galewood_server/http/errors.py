@@ -171,7 +171,7 @@ NO_DESCRIPTORS = Problem(
     code="server-busy",
     title="The server has too many open files",
     detail="Nothing was changed.",
-    hint="Try again in some seconds.",
+    hint="Try again in a few seconds.",
     retry_after_s=5,
 )
 DATABASE_BUSY = Problem(
@@ -179,7 +179,7 @@ DATABASE_BUSY = Problem(
     code="database-busy",
     title="The database is busy",
     detail="It is locked, overloaded or not reachable. Nothing was changed.",
-    hint="Try again in some seconds.",
+    hint="Try again in a few seconds.",
     retry_after_s=5,
 )
 

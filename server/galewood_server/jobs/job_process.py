@@ -90,7 +90,7 @@ def _address_of_cluster() -> Callable[[], str]:
     def address() -> str:
         with reading:
             if not line():
-                raise EngineLostError("the server sent no address of a cluster")
+                raise EngineLostError("the server sent no cluster address")
             return line()
 
     return address

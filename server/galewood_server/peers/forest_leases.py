@@ -33,7 +33,7 @@ def claim_forest(
 
     `lost` is the token of a lease whose server does not answer: it counts as expired. Commits.
     One statement, because many clients may wait for it: they all come when a server dies.
-    RuntimeError if other servers change the row again and again.
+    RuntimeError if other servers keep changing the row.
     """
     for _ in range(MAX_CLAIM_ATTEMPTS):
         session.connection(execution_options={"isolation_level": "AUTOCOMMIT"})
@@ -61,7 +61,7 @@ def claim_forest(
         session.commit()
         if holder:  # otherwise it was released just now
             return Lease(holder.server_url, holder.lease, mine=False)
-    raise RuntimeError(f"the shared forest {share!r} changes its server again and again")
+    raise RuntimeError(f"the shared forest {share!r} keeps changing its server")
 
 
 def renew_forest(session: Session, share: str, token: str, lease_s: float) -> bool:

@@ -29,7 +29,7 @@ async def peer_of(
             return await open_peer(lease.server_url, share, address)
         except PeerLostError as error:
             log.warning(
-                "%s does not answer (%s): taking the shared forest %s", lease.server_url, error, share
+                "%s does not respond (%s): taking over the shared forest %s", lease.server_url, error, share
             )
         lease, attempts = await owners.elsewhere(share, lost=lease.token), attempts + 1
     return None

@@ -92,7 +92,7 @@ def _of_database(error: DBAPIError, settings: Settings) -> str | None:
         )
     if code in (*SQLITE_BUSY, sqlite3.SQLITE_IOERR) or is_database_busy(error):
         return (
-            f"The database {name} does not answer ({what}): see that it is reachable, and that no other"
+            f"The database {name} does not respond ({what}): check that it is reachable, and that no other"
             " program has locked it."
         )
     if isinstance(error, OperationalError) and code is None:  # e.g. a wrong password or name

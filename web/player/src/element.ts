@@ -58,7 +58,7 @@ export class GalewoodForest extends HTMLElement {
       ? await servedTrees(service)
       : sources.map((one) => ({ table: `${one}.table`, mesh: `${one}.glb` }));
     if (trees.length === 0)
-      throw new Error("galewood-forest: set src to the address of a tree, without its ending");
+      throw new Error("galewood-forest: set src to the URL of a tree, without its file extension");
     const all = places(count);
     const planted = await Promise.all(
       trees.map((tree, k) =>

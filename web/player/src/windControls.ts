@@ -10,7 +10,7 @@ const NAMES: Readonly<Record<PresetName, string>> = {
 /** The option of a wind that is no preset. */
 const OTHER_OPTION = "";
 const STRONGEST_M_S = 40;
-/** A preset stays chosen when it is only made stronger, weaker or turned. */
+/** A preset stays selected when only its speed or direction changes. */
 const ADJUSTED_FIELDS: readonly string[] = ["mean_speed_m_s", "direction_deg"];
 
 function sameButAdjusted(wind: WindDocument, preset: WindDocument): boolean {
@@ -64,7 +64,7 @@ export class WindControls {
     this.element.append(
       labelled("Wind", this.presets),
       labelled("Mean speed", this.speed, this.speedText),
-      labelled("Blows to", this.direction, this.directionText),
+      labelled("Direction (towards)", this.direction, this.directionText),
     );
     this.presets.addEventListener("change", () => this.change(PRESETS[this.presets.value as PresetName]));
     this.speed.addEventListener("input", () =>

@@ -107,7 +107,7 @@ def _fitted(tree: Cylinders, trunk: Branch, dbh_cm: float | None) -> tuple[Cylin
             "no-breast-height",
             "unsuitable",
             "The trunk does not reach breast height (1.3 m), so its diameter there cannot be fitted.",
-            "Leave out the diameter at breast height.",
+            "Omit the diameter at breast height.",
         )
     return replace(tree, radius_m=tree.radius_m * (dbh_cm / 100 / dbh_m)), dbh_cm / 100
 

@@ -45,7 +45,7 @@ def trunk_warnings(tree: Cylinders, trunk: Branch) -> list[str]:
     found: list[str] = []
     way = tree.end_m[trunk.cylinders[-1]] - tree.start_m[trunk.cylinders[0]]
     if way[2] < MIN_RISE_SHARE * float(np.linalg.norm(way)):
-        found.append("The trunk hardly rises: check that the axis z points up (--up-axis).")
+        found.append("The trunk barely rises: check that the axis z points up (--up-axis).")
     child = np.flatnonzero(tree.parent != NO_CYLINDER)
     swollen = child[tree.radius_m[child] > MAX_RADIUS_GROWTH * tree.radius_m[tree.parent[child]]]
     if len(swollen):

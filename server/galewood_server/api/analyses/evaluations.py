@@ -89,7 +89,7 @@ def evaluation_out(job: Job) -> EvaluationOut:
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {
-    200: {"model": EvaluationOut, "description": "An identical evaluation of this table exists already."},
+    200: {"model": EvaluationOut, "description": "An identical evaluation of this table already exists."},
     **problems(404, 409, 413, 429),
 }
 

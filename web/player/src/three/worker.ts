@@ -50,7 +50,7 @@ export class WorkerClient {
   }
 
   private fail(reason: string): void {
-    this.broken = `The worker of the forest does not run: ${reason}`;
+    this.broken = `The forest worker is not running: ${reason}`;
     for (const { reject } of this.waiting.values()) reject(new Error(this.broken));
     this.waiting.clear();
     this.failed(this.broken);

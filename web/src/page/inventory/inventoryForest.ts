@@ -120,7 +120,7 @@ function notesOf({ report }: NamedInventory): string[] {
     ...(substitutes.length > 0
       ? [`Substitutes (tree species that the server does not have): ${substitutes.join("; ")}.`]
       : []),
-    "Trees are scaled to their height; their girth follows from it." +
+    "Trees are scaled to their height; trunk diameter scales with it." +
       ` Sizes are limited to ${SCALES.least} to ${SCALES.most} times that of the tree model.`,
     ...report.notes,
     ...(report.skipped > 0

@@ -3,10 +3,10 @@ import { make } from "../ui/dom";
 import { type ExpectedMotion, frequency_Hz, isAdjustable, swaysAt, swaysInWords } from "./expectedMotion";
 
 const STIFF =
-  "As stiff as its wood, it would hardly seem to move. Its stiffness is therefore reduced until it sways like real " +
-  "trees of its height; move the slider to the left to keep that of its wood.";
-const STILL_TEXT = "It will hardly seem to move.";
-const NATURAL_TEXT = "As stiff as its wood. Move the slider to the right for more motion.";
+  "With the stiffness of its wood, its motion would be barely visible. It is therefore made softer, to sway like real " +
+  "trees of its height; move the slider to the left to keep the stiffness of its wood.";
+const STILL_TEXT = "Its motion will be barely visible.";
+const NATURAL_TEXT = "It has the stiffness of its wood. Move the slider to the right for more motion.";
 
 export class LivelinessChoice {
   readonly root = make("div", "", "own-tree-motion");
@@ -20,7 +20,7 @@ export class LivelinessChoice {
     Object.assign(this.slider, { type: "range", min: "0", max: "1", step: "0.01" });
     this.words.setAttribute("aria-live", "polite");
     const ends = make("span", "", "own-tree-ends");
-    ends.append(make("span", "as stiff as its wood"), make("span", "lively"));
+    ends.append(make("span", "stiffness of its wood"), make("span", "lively"));
     label.append(make("span", "Stiffness"), this.slider, ends);
     this.slider.addEventListener("input", () => this.tell());
     this.root.append(make("strong", "Expected sway"), this.words, label, this.reason);

@@ -100,7 +100,7 @@ export class PieceList {
   }
 
   private reset(): HTMLElement {
-    const button = make("button", "All as detected");
+    const button = make("button", "Reset to detected");
     button.type = "button";
     button.addEventListener("click", () => this.choose(AS_DETECTED));
     return button;

@@ -29,6 +29,6 @@ export function addedWoodRow(reason: string | null, change: Change): HTMLElement
   const made = select(choices, reason === null ? "none" : "added", (value) =>
     change({ complete: value === "added" ? null : false }),
   );
-  const without = "foliage without wood stays rigid, or bends with the nearest bough";
+  const without = "foliage without wood stays rigid, or bends with the nearest branch";
   return row("Missing wood", made, reason ?? without);
 }

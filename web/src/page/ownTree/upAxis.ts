@@ -11,8 +11,9 @@ const AXES = [
   ["-z", "−Z"],
   ["-x", "−X"],
 ] as const;
+type UpAxis = (typeof AXES)[number][0];
 
-export function upAxisRow({ axis }: Assumed, change: (axis: string) => void): HTMLElement {
+export function upAxisRow({ axis }: Assumed, change: (axis: UpAxis) => void): HTMLElement {
   if (!axis.unsure) return row("Up axis", select(AXES, axis.value, change), axis.reason);
   const question = make("fieldset", "", "own-tree-question");
   question.append(make("legend", "Does the tree stand upright?"));
@@ -24,6 +25,6 @@ export function upAxisRow({ axis }: Assumed, change: (axis: string) => void): HT
     make("span", "No, up is"),
     ...AXES.filter(([id]) => id !== axis.value).map(([id, words]) => button(words, () => change(id))),
   );
-  question.append(yes, no, make("small", `Its shape does not tell for certain: ${axis.reason}.`));
+  question.append(yes, no, make("small", `The up axis is uncertain: ${axis.reason}.`));
   return question;
 }

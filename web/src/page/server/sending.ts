@@ -26,10 +26,10 @@ export function sendBody(path: string, init: RequestInit, { signal, progress }: 
         }),
       );
     request.onerror = () => reject(new TypeError("no connection"));
-    request.onabort = () => reject(new DOMException("The request was ended.", "AbortError"));
+    request.onabort = () => reject(new DOMException("The request was cancelled.", "AbortError"));
     request.onloadend = () => signal.removeEventListener("abort", abort);
     signal.addEventListener("abort", abort);
-    if (signal.aborted) reject(new DOMException("The request was ended.", "AbortError"));
+    if (signal.aborted) reject(new DOMException("The request was cancelled.", "AbortError"));
     else request.send(init.body as XMLHttpRequestBodyInit);
   });
 }

@@ -1,5 +1,5 @@
 /** Physical properties of a tree, taken from its build report, as rows of a card. Pure. */
-import type { ReportedTree } from "../server/api";
+import type { ReportedTree, Tree } from "../server/api";
 
 export interface Fact {
   readonly name: string;
@@ -31,11 +31,13 @@ export function timeInWords(seconds: number): string {
 }
 
 /** The facts that the build report contains; missing values are omitted. */
-export function factsOf(tree: Pick<ReportedTree, "height_m" | "report">, tableBytes: number | null): Fact[] {
-  const { report } = tree;
+export function factsOf(
+  { height_m, report }: Pick<Tree, "height_m"> & { readonly report: ReportedTree["report"] | null },
+  tableBytes: number | null,
+): Fact[] {
   const of = (...path: (string | number)[]) => numberAt(report, ...path);
   const facts: (Fact | null)[] = [
-    fact("Height", tree.height_m, (m) => `${m.toFixed(1)} m`, "From the ground to the top of the crown."),
+    fact("Height", height_m, (m) => `${m.toFixed(1)} m`, "From the ground to the top of the crown."),
     fact("Wood mass", of("model", "wood_mass_kg"), (kg) => `${whole(kg)} kg`, "Green wood, without leaves."),
     fact(
       "First natural frequency",
@@ -79,13 +81,13 @@ export function factsOf(tree: Pick<ReportedTree, "height_m" | "report">, tableBy
       "Largest displacement error of any point caused by keeping only these modes.",
     ),
     fact(
-      "Stretch of the wood",
+      "Wood stretch",
       of("drawn", "wood_stretch_worst"),
       (ratio) => `${Math.max(0, 100 * (ratio - 1)).toFixed(0)} %`,
       "How much longer any edge of the wood is drawn when the top sways by a fifth of the height.",
     ),
     fact(
-      "Leaves from their twigs",
+      "Leaf detachment",
       of("drawn", "leaves_gap"),
       (share) => `${(100 * share).toFixed(2)} % of height`,
       "Largest change of the distance between a leaf and its twig at the same sway.",

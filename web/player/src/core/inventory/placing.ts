@@ -55,7 +55,7 @@ export function placed(raws: readonly Raw[], geographic: boolean): { kept: Raw[]
   const far = raws.flatMap(({ line }, k) => (near.has(k) ? [] : [{ line, reason: reasonOf(distances[k]) }]));
   const kept = raws.map((_, k) => k).filter((k) => near.has(k));
   if (kept.length === 0) {
-    throw new InventoryError(`all stems are more than ${FARTHEST_M} m from their middle`);
+    throw new InventoryError(`all stems are more than ${FARTHEST_M} m from their centre`);
   }
   const x0 = middleOf(kept.map((k) => offsets[k][0]));
   const y0 = middleOf(kept.map((k) => offsets[k][1]));
@@ -64,5 +64,5 @@ export function placed(raws: readonly Raw[], geographic: boolean): { kept: Raw[]
 
 const reasonOf = (distance_m: number): string =>
   distance_m > FARTHEST_M
-    ? `${distance_m.toFixed(0)} m from the middle; at most ${FARTHEST_M} m are shown`
-    : `beyond the ${MOST_STEMS} stems nearest to the middle`;
+    ? `${distance_m.toFixed(0)} m from the centre; at most ${FARTHEST_M} m are shown`
+    : `beyond the ${MOST_STEMS} stems nearest to the centre`;

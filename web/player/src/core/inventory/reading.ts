@@ -106,10 +106,10 @@ function placeOf(columns: Columns, units: Units, row: Row): [number, number] {
   const geographic = isGeographic(columns);
   const x = numberAt(columns, row, geographic ? "lon" : "x");
   const y = numberAt(columns, row, geographic ? "lat" : "y");
-  if (Number.isNaN(x) || Number.isNaN(y)) throw new NoTree("no place");
+  if (Number.isNaN(x) || Number.isNaN(y)) throw new NoTree("no coordinates");
   if (!geographic) return [x * LENGTHS_M[units.x], y * LENGTHS_M[units.x]];
   if (Math.abs(x) > 180 || Math.abs(y) > 89) {
-    throw new NoTree(`longitude ${x.toFixed(4)} and latitude ${y.toFixed(4)} are no place`);
+    throw new NoTree(`longitude ${x.toFixed(4)} and latitude ${y.toFixed(4)} are out of range`);
   }
   return [x, y];
 }

@@ -77,7 +77,7 @@ export class StreamedForest {
     if (wind === null) {
       this.tell({
         kind: "problem",
-        title: "A stream cannot blow by a function.",
+        title: "A streamed forest does not accept a wind function.",
         hint: "Set a wind document: the service computes the motion.",
       });
     } else if (this.field) {

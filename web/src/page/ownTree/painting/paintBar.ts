@@ -17,15 +17,15 @@ export interface PaintBarEvents {
 
 export class PaintBar {
   readonly root = make("div", "", "own-tree-paint");
-  private readonly undo = this.button("Undo", "Take the last stroke back (Ctrl+Z)", () => this.events.undo());
-  private readonly redo = this.button("Redo", "Paint it again (Ctrl+Y)", () => this.events.redo());
-  private readonly keep = this.button("Apply", "Import the tree as it is painted", () =>
+  private readonly undo = this.button("Undo", "Undo the last stroke (Ctrl+Z)", () => this.events.undo());
+  private readonly redo = this.button("Redo", "Redo the last stroke (Ctrl+Y)", () => this.events.redo());
+  private readonly keep = this.button("Apply", "Import the tree as painted", () =>
     this.events.finish(true),
   );
   private readonly line = make("small", "", "soft");
 
   constructor(private readonly events: PaintBarEvents) {
-    const cancel = this.button("Cancel", "Leave all pieces as they were", () => this.events.finish(false));
+    const cancel = this.button("Cancel", "Discard all changes", () => this.events.finish(false));
     this.keep.classList.add("primary");
     this.line.setAttribute("role", "status");
     const row = make("div", "", "own-tree-paint-row");

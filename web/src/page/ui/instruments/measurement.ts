@@ -23,7 +23,7 @@ export interface MeasurementEvents {
 /** Reads the file; the wind starts at once, and the report appears. */
 export async function loadMeasurement(file: File, events: MeasurementEvents): Promise<void> {
   try {
-    if (file.size > LARGEST_BYTES) throw new MeasurementError("The file is larger than 64 MB: cut it.");
+    if (file.size > LARGEST_BYTES) throw new MeasurementError("The file is larger than 64 MB. Split the file.");
     const rows = readRows(await file.arrayBuffer());
     use(file.name, rows, 0, events);
   } catch (error) {

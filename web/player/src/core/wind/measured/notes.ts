@@ -36,12 +36,12 @@ function* aboutColumns(columns: Columns): Generator<string> {
 
 function* aboutFaults(report: Omit<Report, "notes">): Generator<string> {
   if (report.gaps > 0) {
-    yield `${counted(report.gaps, "gap")} (the longest ${duration(report.longest_gap_s)}); gaps of up to a minute are bridged by straight lines, longer ones end the part that is used.`;
+    yield `${counted(report.gaps, "gap")} (the longest ${duration(report.longest_gap_s)}); gaps of up to a minute are interpolated linearly, longer ones end the part that is used.`;
   }
-  if (report.missing > 0) yield `${counted(report.missing, "row")} without a time or a wind.`;
+  if (report.missing > 0) yield `${counted(report.missing, "row")} without time or wind, ignored.`;
   if (report.implausible > 0) yield `${counted(report.implausible, "value")} above 75 m/s, taken as missing.`;
   if (report.duplicates > 0) {
-    yield `${counted(report.duplicates, "row")} with the time of another one, left out.`;
+    yield `${counted(report.duplicates, "row")} with the time of another one, ignored.`;
   }
   if (report.disordered > 0) yield `${counted(report.disordered, "row")} out of order, sorted by time.`;
 }

@@ -30,7 +30,7 @@ export function readMeasurement(rows: readonly Row[], start_s = 0): Measurement 
   const samples = samplesOf(rows);
   const { series, found } = seriesOf(samples);
   if (series.interval_s > LONGEST_INTERVAL_S) {
-    throw new MeasurementError("the samples are more than an hour apart: that is no record of gusts");
+    throw new MeasurementError("the samples are more than an hour apart: too far to contain gusts");
   }
   const first = Math.floor(Math.max(start_s, 0) / series.interval_s + 0.5);
   const last = first + MOST_SAMPLES - closing(MOST_SAMPLES, series.interval_s);

@@ -38,7 +38,7 @@ export interface Samples {
 
 /** Reads the rows of a table; throws MeasurementError with line and column. */
 export function samplesOf(rows: readonly Row[]): Samples {
-  if (rows.length > MOST_ROWS) throw new MeasurementError(`more than ${MOST_ROWS} rows; cut the file`);
+  if (rows.length > MOST_ROWS) throw new MeasurementError(`more than ${MOST_ROWS} rows; split the file`);
   const named = header(rows);
   const below = rows.slice(named.first).filter((row) => !isComment(row));
   const { columns, skipped } = skipUnits(named.columns, below);
