@@ -61,7 +61,7 @@ def gusts(table: Table) -> list[float]:
     moment = WindField(WINDS[0]).at(7.25)
     pressure = np.array([0.0, 9.0, 40.0])
     carried = crown_carried(moment)
-    write_gusts(crown_field(12), carried, place, x, z, turn, size, pressure, 0.5 * pressure, out)
+    write_gusts(crown_field(12), carried, place, x, z, turn, size, (pressure, 0.5 * pressure), out)
     return out.ravel().tolist()
 
 

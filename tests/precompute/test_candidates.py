@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from galewood.pipeline.assemble import internal_states, spread_pa
-from galewood.player.paper_search import ANY, best_candidate, brute_force, nearest_pressure
+from galewood.player.paper_search import ANY, SearchArrays, best_candidate, brute_force, nearest_pressure
 from galewood.search import candidates, contenders, envelope
 from galewood.search.candidates import Rule, Search, air_of, build_search, gain_bound
 from galewood.search.similarity import InternalStates, compared, mismatch_rows
@@ -31,8 +31,12 @@ def differences(
     """Number of random queries on which the candidates and brute force disagree, and the candidates."""
     layout, air = compared(states), air_of(pressure, starts)
     search = build_search(layout, air, rule)
-    error = search.mismatches / states.components
     half = 1 / (2 * rule.sigma_pa**2)
+    arrays = SearchArrays(
+        search.offsets.astype(np.int64), search.record.astype(np.int64),
+        search.mismatches / states.components, air.pressure, air.calm, air.barred,
+        np.argsort(air.pressure[:, 0], kind="stable"), half,
+    )  # fmt: skip
     wrong = 0
     for _ in range(1000):
         c = int(rng.integers(len(pressure)))
@@ -45,19 +49,7 @@ def differences(
         for wanted in (ANY, 0, 1):
             if wanted == 0 and air.calm[c]:
                 continue  # this is a first step, which does not use the candidates
-            found = best_candidate(
-                search.offsets,
-                search.record,
-                error,
-                air.pressure,
-                air.calm,
-                half,
-                c,
-                weight,
-                wanted,
-                f[0],
-                f[1],
-            )
+            found = best_candidate(arrays, c, weight, wanted, f[0], f[1])
             wrong += found != brute_force(c, row, air.pressure, air.barred, half, weight, f, wanted)
     return wrong, search
 
@@ -177,11 +169,12 @@ def test_nearest_pressure_matches_a_full_search() -> None:
     rng = np.random.default_rng(9)
     pressure = rng.integers(-6, 7, size=(300, 2)).astype(np.float64)  # many equal ones
     barred, calm = rng.random(300) < 0.3, ~pressure.any(axis=1)
-    by_x = np.argsort(pressure[:, 0], kind="stable")
+    by_x, nothing = np.argsort(pressure[:, 0], kind="stable"), np.zeros(0, np.int64)
+    search = SearchArrays(nothing, nothing, np.zeros(0), pressure, calm, barred, by_x, 1.0)
     for _ in range(500):
         f = rng.choice([rng.normal(size=2) * 6, rng.integers(-8, 9, size=2).astype(float)])
         for air in (ANY, 0, 1):
             allowed = ~barred & ((calm == air) if air != ANY else True)
             gaps = np.where(allowed, ((f - pressure) ** 2).sum(axis=1), np.inf)
             expected = int(np.argmin(gaps)) if allowed.any() else -1
-            assert nearest_pressure(pressure, by_x, barred, calm, air, f[0], f[1]) == expected
+            assert nearest_pressure(search, air, f[0], f[1]) == expected

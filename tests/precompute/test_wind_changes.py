@@ -44,7 +44,8 @@ def felt(state: WindState, time_s: float) -> Floats:
     moment, gusts = field.at(time_s), np.zeros((len(X_M), 2 * len(PLACES_M)))
     turn, ones = np.tile([0.6, 0.8], (len(X_M), 1)), np.ones(len(X_M))
     field_of = crown_field(moment.crown.seed)
-    write_gusts(field_of, crown_carried(moment), PLACES_M, X_M, Z_M, turn, ones, 9 * ones, 0 * ones, gusts)
+    pressure = (9 * ones, 0 * ones)
+    write_gusts(field_of, crown_carried(moment), PLACES_M, X_M, Z_M, turn, ones, pressure, gusts)
     return np.concatenate([velocity.ravel(), gusts.ravel()])
 
 

@@ -166,12 +166,12 @@ def test_forests_of_a_table_share_its_arrays() -> None:
     one, other = PaperForest(table, 3), PaperForest(table, 4)
     shared = lookup_arrays(table)
     for forest in (one, other):
-        assert forest._search is shared.search and forest._poses is shared.poses
+        assert forest._lookup is shared
     before = shared.poses.copy()
     for _ in range(5):
         one.advance(1 / 30, np.full(3, 4.0), np.zeros(3))
     np.testing.assert_array_equal(shared.poses, before)
-    watch = weakref.ref(shared)
+    watch = weakref.ref(shared.poses)
     del one, other, forest, shared, table
     gc.collect()
     assert watch() is None

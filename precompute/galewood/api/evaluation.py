@@ -15,6 +15,7 @@ from galewood.api.cache import default_cache_dir
 from galewood.api.models import pressure_at_origin
 from galewood.api.tables import MotionTable
 from galewood.evaluation import evaluate_table, source_of
+from galewood.options import EvaluationOptions
 from galewood.util import Floats
 from galewood.wind import Wind
 
@@ -61,15 +62,9 @@ def evaluate(
             raise ValueError("this table has no mesh: load it with galewood.load(path, mesh=...)")
         mesh.write_bytes(table.render_glb)
         source = source_of(table.table, mesh, cache, lambda f, m: report(0.2 * f, m))
+    options = EvaluationOptions(frames=frames, sway=sway, seed=seed)
     return evaluate_table(
-        table.table,
-        source,
-        frames,
-        cache,
-        lambda f, m: report(0.2 + 0.8 * f, m),
-        sway=sway,
-        seed=seed,
-        winds=given,
+        table.table, source, options, cache, lambda f, m: report(0.2 + 0.8 * f, m), winds=given
     )
 
 

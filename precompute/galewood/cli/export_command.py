@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from pydantic import BaseModel, Field
 
+from galewood.cli.request_options import validated, with_options_of
 from galewood.cli.tools import JsonOut, console, progress_bar, progress_reporter, write_figures
 
 if TYPE_CHECKING:
@@ -25,64 +27,71 @@ To = Annotated[
 ]
 MESH_HELP = "Mesh of the table; default: TABLE with .glb."
 Mesh = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help=MESH_HELP)]
-WIND_HELP = "Preset (still, breeze, autumn-gusts, storm-front) or file of a wind document."
-WindName = Annotated[str | None, typer.Option("--wind", help=WIND_HELP)]
-Speed = Annotated[float | None, typer.Option(help="Mean wind speed, m/s (default 8).")]
-Direction = Annotated[float | None, typer.Option(help="Direction that the wind blows towards, degrees (30).")]
-Gustiness = Annotated[float | None, typer.Option(help="Gustiness, 0 (steady) to 1 (default 0.5).")]
-Seed = Annotated[int | None, typer.Option(help="Seed of the gusts (default 1).")]
-LoopS = Annotated[float | None, typer.Option("--loop-s", help="Length of the loop, s (default 8).")]
-Fps = Annotated[float, typer.Option(help="Frames per second.")]
-Format = Annotated[str, typer.Option("--format", help="Textures of vat: exr or png (16 bits).")]
-Bones = Annotated[int, typer.Option(help="Most bones of a skeleton.")]
-Seconds = Annotated[float, typer.Option(min=0.1, max=600.0, help="--to glb: length without a loop, s.")]
-LoopFlag = Annotated[bool, typer.Option("--loop", help="--to glb: repeat after --seconds.")]
-Run = Annotated[str | None, typer.Option(help="--to glb: export this sampled run instead of a wind.")]
 
 
+class Moving(BaseModel):
+    """How the exported tree moves."""
+
+    wind: str | None = Field(
+        default=None,
+        description="Preset (still, breeze, autumn-gusts, storm-front) or file of a wind document.",
+    )
+    speed: float | None = Field(default=None, description="Mean wind speed, m/s (default 8).")
+    direction: float | None = Field(
+        default=None, description="Direction the wind blows towards, degrees (30)."
+    )
+    gustiness: float | None = Field(default=None, description="Gustiness, 0 (steady) to 1 (default 0.5).")
+    seed: int | None = Field(default=None, description="Seed of the gusts (default 1).")
+    loop_s: float | None = Field(default=None, description="Length of the loop, s (default 8).")
+    fps: float = Field(default=30.0, description="Frames per second.")
+    format: str = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
+    bones: int = Field(default=256, description="Maximum number of bones.")
+    seconds: float = Field(default=10.0, ge=0.1, le=600.0, description="--to glb: length without a loop, s.")
+    loop: bool = Field(default=False, description="--to glb: repeat after --seconds.")
+    run: str | None = Field(default=None, description="--to glb: export this sampled run instead of a wind.")
+
+
+@with_options_of(Moving)
 def export(
     table: TableFile,
     target: Target = None,
     to: To = "glb",
     out: Out = None,
     mesh: Mesh = None,
-    wind: WindName = None,
-    speed: Speed = None,
-    direction: Direction = None,
-    gustiness: Gustiness = None,
-    seed: Seed = None,
-    loop_s: LoopS = None,
-    fps: Fps = 30.0,
-    textures: Format = "exr",
-    bones: Bones = 256,
-    seconds: Seconds = 10.0,
-    loop: LoopFlag = False,
-    run: Run = None,
     json_out: JsonOut = None,
+    **chosen: Any,
 ) -> None:
     """Write a tree that sways in a wind for engines (vat, bones, pivots), USD, or as an animated GLB."""
     from galewood.export import ExportError, ExportOptions
     from galewood.table import TableError, decode
     from galewood.wind import WindError
 
-    where = target or out
+    where, moving = target or out, validated(Moving, chosen)
     try:
-        chosen = _blowing(wind, mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness, seed=seed)
-        decoded, glb = decode(table.read_bytes()), _mesh_of(table, mesh)
-        if to == "glb" and loop_s is None:
-            _write_glb(decoded, glb, where or table.with_suffix(".sway.glb"), chosen, seconds, loop, run)
+        wind, decoded, glb = _wind_of(moving), decode(table.read_bytes()), _mesh_of(table, mesh)
+        if to == "glb" and moving.loop_s is None:
+            _write_glb(decoded, glb, where or table.with_suffix(".sway.glb"), wind, moving)
             return
-        options = ExportOptions(chosen, loop_s or 8.0, fps, textures, bones)  # type: ignore[arg-type]
+        options = ExportOptions(
+            wind, moving.loop_s or 8.0, moving.fps, moving.format, moving.bones,  # type: ignore[arg-type]
+        )  # fmt: skip
         _write(decoded, glb, to, where or table.with_name(f"{table.stem}-{to}"), options, json_out)
     except (ExportError, TableError, WindError, KeyError, OSError, ValueError) as error:
         console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")
         raise typer.Exit(1) from None
 
 
-def _blowing(name: str | None, **changes: Any) -> Wind:
+def _wind_of(moving: Moving) -> Wind:
     """The wind of a preset, of a document, or the usual one, with the values that were given."""
     from galewood.wind import PRESETS, Wind, WindError, parse_wind
 
+    name = moving.wind
+    changes = {
+        "mean_speed_m_s": moving.speed,
+        "direction_deg": moving.direction,
+        "gustiness": moving.gustiness,
+        "seed": moving.seed,
+    }
     if name is None:
         wind = Wind()
     elif name in PRESETS:
@@ -103,12 +112,11 @@ def _mesh_of(table: Path, mesh: Path | None) -> bytes:
     return beside.read_bytes()
 
 
-def _write_glb(
-    table: Table, mesh: bytes, out: Path, wind: Wind, seconds: float, loop: bool, run: str | None
-) -> None:
+def _write_glb(table: Table, mesh: bytes, out: Path, wind: Wind, moving: Moving) -> None:
     from galewood.export import animated_glb, blown, sampled
 
-    q = sampled(table, run) if run else blown(table, wind, seconds, loop=loop)
+    run, seconds = moving.run, moving.seconds
+    q = sampled(table, run) if run else blown(table, wind, seconds, loop=moving.loop)
     glb = animated_glb(table, mesh, q)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_bytes(glb)

@@ -9,6 +9,7 @@ from galewood.evaluation.evaluate import OnProgress, evaluate_table
 from galewood.evaluation.long_run import beyond, long_run
 from galewood.evaluation.plot import plot_errors
 from galewood.evaluation.source import SourceError, source_of
+from galewood.options import EvaluationOptions
 from galewood.table import decode
 
 DEFINITIONS = {
@@ -17,7 +18,7 @@ DEFINITIONS = {
     "max_error_of_sway": "largest error over the largest displacement of the run (reference_sway × height)",
     "late_error": "largest error in the last sixth of the run, over the height",
     "growth": "largest error of the second half over that of the first, after the lead-in of repeating winds",
-    "growth_of_sway": "growth with each half's error divided by its sway; null where a half hardly moves",
+    "growth_of_sway": "growth with each half's error divided by its sway; null where a half barely moves",
     "hausdorff": "symmetric Hausdorff distance of the wood's displaced vertices over the height, by frame",
     "rendered": "the same figures at the render vertices, which the viewer moves with their nodes",
     "floor": "error without that of the method: truncation of the modes, and vertices that share a node",
@@ -30,52 +31,44 @@ def run_evaluation(
     table: Path,
     mesh: Path | None,
     model: Path | None,
+    options: EvaluationOptions,
     cache_dir: Path,
     on_progress: OnProgress,
     *,
     plot: Path | None,
-    frames: int,
-    strength: float,
-    sway: float | None,
-    seed: int,
-    long: int,
-    workers: int,
-    converged: bool = False,
     reference_dir: Path | None = None,
     records: Path | None = None,
 ) -> dict[str, Any]:
     """Evaluate a table file and return JSON-able figures.
 
     Reference runs are cached in ``reference_dir``, by default in ``cache_dir``. ``plot`` is a picture to
-    write, ``long`` the number of frames of the long run (0: none), ``records`` the table's records file if
-    it has one; without records the paper's methods are left out. Raises TableError, SourceError, MeshError,
-    and FloatingPointError if a reference simulation diverges.
+    write, ``records`` the table's records file if it has one; without records the paper's methods are left
+    out. Raises TableError, SourceError, MeshError, and FloatingPointError if a reference simulation diverges.
     """
     decoded = decode(table.read_bytes(), records.read_bytes() if records else None)
+    preparing = share(on_progress, 0.0, 0.1)
     source = source_of(
-        decoded, mesh or mesh_of(table), cache_dir, share(on_progress, 0.0, 0.1), model=model, workers=workers
+        decoded, mesh or mesh_of(table), cache_dir, preparing, model=model, workers=options.workers
     )
-    middle = 0.4 if long else 1.0
-    winds = evaluate_table(
-        decoded, source, frames, reference_dir or cache_dir, share(on_progress, 0.1, middle),
-        strength=strength, sway=sway, seed=seed, workers=workers, converged=converged,
-    )  # fmt: skip
+    middle = 0.4 if options.long else 1.0
+    comparing = share(on_progress, 0.1, middle)
+    winds = evaluate_table(decoded, source, options, reference_dir or cache_dir, comparing)
     found: dict[str, Any] = {
         "species": decoded.metadata.get("species"),
         "height_m": decoded.metadata["height_m"],
         "design_speed_m_s": decoded.metadata["design_speed_m_s"],
-        "seed": seed,
-        "frames": frames,
+        "seed": options.seed,
+        "frames": options.frames,
         "definitions": DEFINITIONS,
         "winds": winds,
     }
     if plot is not None:
         plot_errors(winds, plot)
-    if long:
-        sub_progress = share(on_progress, middle, 1.0)
+    if options.long:
         found["long"] = long_run(
-            decoded, source, cache_dir, sub_progress, frames=long, sway=sway or 0.1, seed=seed
-        )
+            decoded, source, cache_dir, share(on_progress, middle, 1.0),
+            frames=options.long, sway=options.sway or 0.1, seed=options.seed,
+        )  # fmt: skip
         found["beyond"] = beyond(decoded, source)
     return found
 

@@ -6,7 +6,7 @@ Options and errors are cheap to import; all other names are loaded when they are
 from typing import TYPE_CHECKING
 
 from galewood.export.errors import ExportError
-from galewood.export.options import FORMATS, KINDS, REVISION, ExportKind, ExportOptions, TextureFormat
+from galewood.export.options import KINDS, REVISION, ExportKind, ExportOptions, TextureFormat
 from galewood.util import lazily
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
-    "FORMATS",
     "KINDS",
     "REVISION",
     "ExportError",

@@ -1,19 +1,16 @@
 """Comparison with trees in the field; in: tree files, measured frequencies; out: report, pull and release."""
 
 from galewood.field.comparison import FieldOptions, run_field
-from galewood.field.decay import Decay, fitted_decay
+from galewood.field.decay import fitted_decay
 from galewood.field.measurements import FieldError, Measurement, read_measurements
 from galewood.field.plots import decay_figure
-from galewood.field.release import Release, pull_and_release
-from galewood.field.simulated import SimulatedTree, tree_of_file
+from galewood.field.release import pull_and_release
+from galewood.field.simulated import tree_of_file
 
 __all__ = [
-    "Decay",
     "FieldError",
     "FieldOptions",
     "Measurement",
-    "Release",
-    "SimulatedTree",
     "decay_figure",
     "fitted_decay",
     "pull_and_release",

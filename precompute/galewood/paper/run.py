@@ -15,6 +15,7 @@ from galewood.evaluation import (
     samples_of,
     source_of,
 )
+from galewood.options import EvaluationOptions
 from galewood.paper.gestures import Fig3, Fig5, paper_directions, paper_gestures
 from galewood.paper.pictures import draw_directions, draw_elements, draw_gestures, draw_winds, save_small
 from galewood.paper.plan import Notes, OnProgress, Plan, built
@@ -117,10 +118,8 @@ def _measure(
 
 
 def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
-    return evaluate_table(
-        tree.table, tree.source, plan.frames, plan.cache_dir, on_progress,
-        strength=STRENGTH, seed=plan.seed, workers=plan.workers,
-    )  # fmt: skip
+    options = EvaluationOptions(frames=plan.frames, strength=STRENGTH, seed=plan.seed, workers=plan.workers)
+    return evaluate_table(tree.table, tree.source, options, plan.cache_dir, on_progress)
 
 
 def _search_differences(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, int]:

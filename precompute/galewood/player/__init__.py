@@ -2,19 +2,18 @@
 
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian
-from galewood.player.periodic import PeriodicMotion, periodic_motion
+from galewood.player.periodic import periodic_motion
 from galewood.player.pulling import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.sway import grid_placements, play
 from galewood.player.wind_driven import Method, WindDrivenTrees
 
 __all__ = [
+    "DragConstraint",
     "Method",
     "ModalForest",
     "PaperForest",
-    "PeriodicMotion",
     "PointResponse",
     "PullError",
-    "DragConstraint",
     "WindDrivenTrees",
     "gaussian",
     "grid_placements",

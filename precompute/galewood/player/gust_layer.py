@@ -19,9 +19,10 @@ class GustLayer:
     def __init__(self, tensors: GustTensors, count: int) -> None:
         """Create ``count`` trees at rest."""
         named = (tensors.place, tensors.step, tensors.load, tensors.drag)
-        self._place, *self._tensors = (np.ascontiguousarray(tensor, np.float64) for tensor in named)
+        self._place, *widened = (np.ascontiguousarray(tensor, np.float64) for tensor in named)
+        self._tensors = tuple(widened)
         self._gusts = np.zeros((count, 2 * len(self._place)))
-        self._state = [np.zeros((count, tensors.oscillators)) for _ in range(4)]
+        self._state = tuple(np.zeros((count, tensors.oscillators)) for _ in range(4))
 
     def advance(
         self,
@@ -51,7 +52,7 @@ class GustLayer:
         moment = field.at(time_s)
         write_gusts(
             crown_field(moment.crown.seed), crown_carried(moment), self._place, trees.x_m, trees.z_m,
-            trees.turn, trees.size, pressure_x, pressure_z, self._gusts,
+            trees.turn, trees.size, (pressure_x, pressure_z), self._gusts,
         )  # fmt: skip
         return self._gusts
 
@@ -59,9 +60,5 @@ class GustLayer:
         self, gusts: Floats, trees: Stepping, pressure_x: Floats, pressure_z: Floats, q: Singles
     ) -> None:
         """Advance by one frame under given pressures of ``gusts_at``."""
-        step, load, drag = self._tensors
-        e, v, now, before = self._state
-        advance_gusts(
-            step, load, drag, trees.rate, trees.turn, pressure_x, pressure_z, gusts, trees.phase,
-            e, v, now, before, q,
-        )  # fmt: skip
+        pressure = (pressure_x, pressure_z)
+        advance_gusts(self._tensors, trees.rate, trees.turn, trees.phase, pressure, gusts, self._state, q)

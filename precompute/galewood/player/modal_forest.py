@@ -33,10 +33,11 @@ class ModalForest(TreeInstances):
 
     def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
         """Advance by dt_s seconds under world pressures (count,) in Pa. Large trees sway slower."""
-        px, pz = self._begin(dt_s, pressure_x, pressure_z)
+        pressure = self._begin(dt_s, pressure_x, pressure_z)
+        state = (self._e, self._v, self._turned, self._now, self._before, self.extrapolation_ratio)
         advance_trees(
-            self._tensors, self._dt_s / 2, self._rate, self._turn, px, pz, self._e, self._v, self._phase,
-            self._turned, self._now, self._before, self.q, self.extrapolation_ratio, self._batch,
+            self._tensors, self._dt_s / 2, self._batch, self._rate, self._turn, pressure, self._phase, state,
+            self.q,
         )  # fmt: skip
 
     def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> None:

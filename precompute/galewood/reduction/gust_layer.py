@@ -100,7 +100,7 @@ def _mean_gust(places_m: Floats, weight: Floats) -> float:
         c, s = np.cos(heading), np.sin(heading)
         # so weak that no gust is limited, and in a wind along the heading
         carried = (c, s, 0.0, 1e-3)
-        write_gusts(field, carried, places_m, one * x, one * z, still, one, one * c, one * s, out)
+        write_gusts(field, carried, places_m, one * x, one * z, still, one, (one * c, one * s), out)
         gusts = out.reshape(-1, 2)
         squares += np.square(weight @ gusts / weight.sum()).sum(), np.square(gusts).sum(axis=1).mean()
     return float(np.sqrt(squares[0] / squares[1]))
@@ -122,21 +122,19 @@ def _drag(motion: Floats, exposure: Exposure) -> Floats:
 
 
 def _motion(tensors: GustTensors, pressure_pa: float, dt_s: float, frames: int) -> Floats:
-    place, step, load, drag = (
+    place, *widened = (
         np.ascontiguousarray(tensor, np.float64)
         for tensor in (tensors.place, tensors.step, tensors.load, tensors.drag)
     )
-    count = len(step)
-    e, v, now, before = (np.zeros((1, count)) for _ in range(4))
+    count = tensors.oscillators
+    state = tuple(np.zeros((1, count)) for _ in range(4))
     q = np.zeros((1, count), np.float32)
     one, nothing, turn = np.ones(1), np.zeros(1), np.array([[1.0, 0.0]])
-    speed_m_s = float(speed_of_pressure(pressure_pa))
+    speed_m_s, pressure = float(speed_of_pressure(pressure_pa)), (pressure_pa * one, nothing)
     track, gusts, field = np.zeros((frames, count)), np.zeros((1, 2 * len(place))), crown_field(0)
     for frame in range(frames):
         carried = (1.0, 0.0, max(speed_m_s, 1.0) * frame * dt_s, INTENSITY)
-        write_gusts(field, carried, place, nothing, nothing, turn, one, pressure_pa * one, nothing, gusts)
-        advance_gusts(
-            step, load, drag, one, turn, pressure_pa * one, nothing, gusts, nothing, e, v, now, before, q
-        )
-        track[frame] = e[0]
+        write_gusts(field, carried, place, nothing, nothing, turn, one, pressure, gusts)
+        advance_gusts(tuple(widened), one, turn, nothing, pressure, gusts, state, q)
+        track[frame] = state[0][0]
     return track

@@ -128,13 +128,8 @@ class Simulation:
         """
         state = (self._e, self._v, self._mean_speed, self._terms)
         arguments: tuple[Any, ...] = (
-            *self._tensors,
-            self._half_s,
-            self._drag,
-            self._target.pressure_pa,
-            force,
-            *state,
-        )
+            self._tensors, self._half_s, self._drag, self._target.pressure_pa, force, state,
+        )  # fmt: skip
         with np.errstate(over="ignore", invalid="ignore"):
             _simulate(*arguments)
             gap = self._e - self._target.e
@@ -143,8 +138,7 @@ class Simulation:
         by_force = np.zeros_like(force)
         if not np.isfinite(cost):
             return np.inf, by_force
-        backwards: tuple[Any, ...] = (*arguments, by_e, by_force)
-        _go_back(*backwards)
+        _go_back(*arguments, by_e, by_force)
         return cost, by_force
 
 
@@ -200,13 +194,13 @@ class _Scaling:
 
 
 @numba.njit(cache=True, nogil=True)
-def _simulate(
-    step, load, sway, limits, half_s, drag, pressure, force, e, v, mean_speed, terms
-):  # pragma: no cover  (compiled)
-    """The step of `galewood.modal` for all runs; keeps what the way back needs.
+def _simulate(tensors, half_s, drag, pressure, force, state):  # pragma: no cover  (compiled)
+    """The step of `galewood.modal` for all runs; keeps what the way back needs in ``state``.
 
     e, v (T + 1, d, R), mean_speed (T, d, R): without the drag; terms (T, F, R).
     """
+    step, load, sway, limits = tensors
+    e, v, mean_speed, terms = state
     point, inputs, outputs, rest = drag
     d, lanes = e.shape[1], e.shape[2]
     ahead, pairs = np.empty((d, lanes)), np.empty((3, 2, lanes))
@@ -231,9 +225,11 @@ def _simulate(
 
 @numba.njit(cache=True, nogil=True)
 def _go_back(
-    step, load, sway, limits, half_s, drag, pressure, force, e, v, mean_speed, terms, by_motion, by_force
+    tensors, half_s, drag, pressure, force, state, by_motion, by_force
 ):  # pragma: no cover  (compiled)
     """Add to by_force (d, F) the gradient of Σ by_motion · e through all steps of ``_simulate``."""
+    step, _, sway, limits = tensors
+    e, v, mean_speed, terms = state
     point, inputs, outputs, rest = drag
     d, lanes = e.shape[1], e.shape[2]
     by_e, by_v = np.zeros((d, lanes)), np.zeros((d, lanes))

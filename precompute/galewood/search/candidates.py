@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -59,13 +60,21 @@ class Rule:
         return w0 / (1.0 - w0), w1 / (1.0 - w1)
 
 
-@dataclass(frozen=True)
-class Air:
+class Air(NamedTuple):
     """Pressures of the records, and which records the search may find."""
 
     pressure: npt.NDArray[np.float64]  # (z, 2) Pa
     calm: npt.NDArray[np.bool_]  # (z,) no wind acts
     barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory: never found, as it has no successor
+
+
+class Weighing(NamedTuple):
+    """What decides whether one record beats another, as the kernels take it."""
+
+    components: int
+    sigma: float  # Pa
+    leverage: tuple[float, float]  # w / (1 − w) at both ends of the range of w
+    gain: Floats  # ``gain_bound``
 
 
 def air_of(pressure_pa: Array, trajectory: Array) -> Air:
@@ -141,12 +150,14 @@ def _beats(k, j, error, own, pressure, scale, leverage, gain):  # pragma: no cov
 
 
 @numba.njit(cache=True, nogil=True)
-def _choose_rows(first, bounds, pressure, calm, barred, sigma, leverage, gain, components, chosen):
+def _choose_rows(first, bounds, air, weighing, chosen):
     """Choose the records that may be candidates of the states first, first + 1, …
 
     bounds (n, z): lower bounds of the mismatches. The others are those that ``_pairs`` would drop because of
     the successor, whatever their mismatches are.
     """  # pragma: no cover  (compiled)
+    pressure, calm, barred = air
+    components, sigma, leverage, gain = weighing
     scale = GAIN_STEPS_PER_SIGMA / sigma
     for i in range(len(bounds)):
         c = first + i
@@ -163,16 +174,18 @@ def _choose_rows(first, bounds, pressure, calm, barred, sigma, leverage, gain, c
 
 
 @numba.njit(cache=True, nogil=True)
-def _pairs(
-    c, row, chosen, pressure, cells, calm, barred, scale, leverage, gain, components, order, kept, head, after
-):
+def _pairs(c, row, chosen, air, cells, weighing, room):
     """Write the candidates of state c that no nearby candidate beats to ``kept``; return their number.
 
     They are sorted by (mismatches, j), except for the successor, record c itself, which wins every tie and
     comes first. A record may beat only records of the same air (still or moving), as a query may be
     restricted to either; but a state of still air is never queried for moving air only. All still records
-    have the same pressure, so only the first of them is kept.
+    have the same pressure, so only the first of them is kept. ``room`` are ``kept`` and work arrays.
     """  # pragma: no cover  (compiled)
+    pressure, calm, barred = air
+    components, sigma, leverages, gain = weighing
+    kept, order, head, after = room
+    scale, leverage = GAIN_STEPS_PER_SIGMA / sigma, leverages[1]
     number = _ordered(row, chosen, components, order)
     across = calm[c] and not barred[c]
     head[:] = -1  # last kept moving record of each cell; ``after`` links to the one kept before it
@@ -233,37 +246,19 @@ def _sort_successor(c, row, kept, count):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def _prune_rows(
-    first, rows, chosen, pressure, cells, calm, barred, sigma, leverage, gain, components, counts, record,
-    mismatches
-):  # fmt: skip  # pragma: no cover  (compiled)
+    first, rows, chosen, air, cells, weighing, counts, record, mismatches
+):  # pragma: no cover  (compiled)
     order, kept, after = (
         np.empty(rows.shape[1], np.int32),
         np.empty(rows.shape[1], np.int32),
         np.empty(rows.shape[1], np.int32),
     )
     head = np.empty(GRID * GRID, np.int32)
-    scale = GAIN_STEPS_PER_SIGMA / sigma
     for i in range(len(rows)):
         c, row = first + i, rows[i]
-        count = _pairs(
-            c,
-            row,
-            chosen[i],
-            pressure,
-            cells,
-            calm,
-            barred,
-            scale,
-            leverage[1],
-            gain,
-            components,
-            order,
-            kept,
-            head,
-            after,
-        )
-        if not barred[c]:
-            count = keep_winners(c, row, pressure, calm, sigma, leverage, components, MARGIN, kept, count)
+        count = _pairs(c, row, chosen[i], air, cells, weighing, (kept, order, head, after))
+        if not air.barred[c]:
+            count = keep_winners(c, row, air, weighing, MARGIN, kept, count)
         _sort_successor(c, row, kept, count)
         counts[i] = count
         for s in range(count):
@@ -277,29 +272,21 @@ class Builder:
 
     parts: Stages
     air: Air
-    rule: Rule
+    weighing: Weighing
     cells: npt.NDArray[np.int32]  # (z,) grid cell of each pressure
-    gain: Floats  # ``gain_bound``
 
     def candidates(self, first: int, last: int) -> tuple[Array, Array, Array]:
         """Candidates of the states [first, last).
 
         Returns the number of candidates of each state (n,), and all records and mismatches, concatenated.
         """
-        air, rule = self.air, self.rule
         rows = lower_bounds(self.parts, first, last)
         chosen = np.empty(rows.shape, np.bool_)
-        _choose_rows(
-            first, rows, air.pressure, air.calm, air.barred, rule.sigma_pa, rule.leverage, self.gain,
-            rule.components, chosen,
-        )  # fmt: skip
+        _choose_rows(first, rows, self.air, self.weighing, chosen)
         complete(self.parts, first, chosen, rows)
         counts = np.empty(len(rows), np.int64)
         record, mismatches = np.empty_like(rows), np.empty_like(rows)
-        _prune_rows(
-            first, rows, chosen, air.pressure, self.cells, air.calm, air.barred, rule.sigma_pa, rule.leverage,
-            self.gain, rule.components, counts, record, mismatches,
-        )  # fmt: skip
+        _prune_rows(first, rows, chosen, self.air, self.cells, self.weighing, counts, record, mismatches)
         return (
             counts,
             np.concatenate([record[i, :n] for i, n in enumerate(counts)]),
@@ -313,7 +300,8 @@ def build_search(
     """Find the candidates of all states; ``on_progress`` gets the fraction done and may raise to cancel."""
     z = len(layout.rank)
     cells = cells_of(air.pressure, rule.sigma_pa, air.pressure.min(axis=0))
-    builder = Builder(stages(layout), air, rule, cells, gain_bound())
+    weighing = Weighing(rule.components, rule.sigma_pa, rule.leverage, gain_bound())
+    builder = Builder(stages(layout), air, weighing, cells)
 
     def chunk(first: int) -> tuple[Array, Array, Array]:
         return builder.candidates(first, min(first + CHUNK, z))

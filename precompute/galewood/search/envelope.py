@@ -139,13 +139,15 @@ def _rivals_of(s, errors, at, leverage, margin, squared, near, rivals):  # pragm
 
 
 @numba.njit(cache=True, nogil=True)
-def keep_winners(c, row, pressure, calm, sigma, leverage, components, margin, kept, count):
+def keep_winners(c, row, air, weighing, margin, kept, count):
     """Drop candidates from ``kept`` that win nowhere; return the number that remains.
 
-    c: the state, whose successor is kept[0] and not the end of a trajectory; row (z,): mismatches; leverage:
-    w / (1 − w) at both ends of the range of w. Candidates of the other air than that of the state belong to
-    separate queries and stay, except those of moving air for a state of still air.
+    c: the state, whose successor is kept[0] and not the end of a trajectory; row (z,): mismatches; air and
+    weighing: Air and Weighing of ``candidates``. Candidates of the other air than that of the state belong
+    to separate queries and stay, except those of moving air for a state of still air.
     """  # pragma: no cover  (compiled)
+    pressure, calm, _ = air
+    components, sigma, leverage, _ = weighing
     errors, at = np.empty(count), np.empty((2, count))
     for s in range(count):
         k = kept[s]

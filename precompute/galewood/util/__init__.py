@@ -3,7 +3,7 @@
 from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
 from galewood.util.atomic_file import write_arrays, write_whole
 from galewood.util.cancelled import Cancelled
-from galewood.util.delimited import Row, decoded, delimiter_of, number_of, rows_of
+from galewood.util.delimited import Row, decoded, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
 from galewood.util.guarded_process import BrokenOffError, GuardedProcess, Lifeline
 from galewood.util.kernel_cache import compile_once, kernels_compiled
@@ -31,7 +31,6 @@ __all__ = [
     "compile_once",
     "cpu_seconds",
     "decoded",
-    "delimiter_of",
     "kernels_compiled",
     "lazily",
     "number_of",

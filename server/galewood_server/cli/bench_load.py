@@ -16,7 +16,6 @@ import threading
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -24,26 +23,11 @@ import httpx
 import psutil
 from galewood.wind import Wind
 
+from galewood_server.cli.load import Load
 from galewood_server.storage import FileStore
-from galewood_server.stream import Method
 
 SETTLE_S = 3.0
 STALLED_WITHIN_S = 30.0
-
-
-@dataclass(frozen=True)
-class Load:
-    """Parameters of the load."""
-
-    clients: int = 200
-    trees: int = 1000
-    forests: int = 1
-    """Number of shared forests; 0 gives each client its own."""
-    stalled: int = 20
-    seconds: float = 20.0
-    method: Method = "modal"
-    server_core: int | None = 0
-    client_core: int | None = 1
 
 
 def run_load(tables: list[Path], load: Load) -> dict[str, Any]:
@@ -59,13 +43,13 @@ def run_load(tables: list[Path], load: Load) -> dict[str, Any]:
                 "trees": load.trees,
                 "forests": load.forests,
                 "wind": Wind().document(),
-                "method": load.method,
-                "core": load.client_core,
+                "method": "paper" if load.paper else "modal",
+                "core": None if load.client_core < 0 else load.client_core,
                 "settle_s": SETTLE_S,
             }
             measured = _measure(process, job, load)
     return {
-        "load": asdict(load),
+        "load": load.model_dump(),
         "machine": {"cores": os.cpu_count(), "load_average_before": before},
         **measured,
     }
@@ -151,7 +135,7 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
     }
 
     def pin() -> None:
-        if load.server_core is not None:
+        if load.server_core >= 0:
             os.sched_setaffinity(0, {load.server_core})
 
     child = subprocess.Popen(

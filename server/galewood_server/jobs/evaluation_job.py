@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.evaluation import SourceError, run_evaluation
+from galewood.options import EvaluationOptions
 from galewood.table import read_metadata
 
 from galewood_server.jobs.analysis_files import PLOT, store_result
@@ -52,11 +53,14 @@ def _run(
     def on_progress(share: float, message: str) -> None:
         reporter.report("evaluating", share, message)
 
+    options = EvaluationOptions(
+        frames=request["frames"], strength=strength_of(table, request), sway=request.get("sway"),
+        seed=request["seed"], workers=1,
+    )  # fmt: skip
     try:
         return run_evaluation(
-            table, mesh, model, settings.cache_dir, on_progress,
-            plot=folder / PLOT, frames=request["frames"], strength=strength_of(table, request),
-            sway=request.get("sway"), seed=request["seed"], long=0, workers=1, reference_dir=folder,
+            table, mesh, model, options, settings.cache_dir, on_progress, plot=folder / PLOT,
+            reference_dir=folder,
             records=stored_path(stores, "records", records) if records else None,
         )  # fmt: skip
     except SourceError as error:

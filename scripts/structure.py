@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Rules on the sources that no linter has: scripts/structure.py [FOLDER], part of `make check`.
+
+- A folder holds at most 15 source files, and a Python function takes at most 9 parameters. What exceeds a
+  limit is listed here by name, with the number that it must not exceed; an entry that is no longer needed
+  fails as well, so the lists only become shorter.
+- What a Python package exports in ``__all__``, another one imports. (vulture finds what nobody uses at all.)
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+ROOTS = ("precompute", "server", "scripts", "tests", "tools", "spec", "docs", "web")
+SKIPPED = {"node_modules", "dist", "__pycache__", "results"}
+SUFFIXES = {".py", ".ts", ".tsx", ".js", ".mjs"}
+PYTHON_SCRIPT = b"#!/usr/bin/env python3"
+"""First line of a script without a suffix."""
+LIBRARIES = {"precompute": "galewood", "server": "galewood_server"}
+"""Python packages that are divided into packages, by the folder that they are in."""
+
+MOST_FILES = 15
+CROWDED_FOLDERS: dict[str, int] = {}
+
+MOST_PARAMETERS = 9
+LONG_SIGNATURES: dict[str, int] = {}
+
+
+def sources(root: Path) -> Iterator[Path]:
+    """The source files below the folders of the project, without what is installed or built there."""
+    for name in ROOTS:
+        for folder, folders, files in os.walk(root / name):
+            folders[:] = sorted(set(folders) - SKIPPED)
+            paths = [Path(folder, file) for file in sorted(files)]
+            yield from (path for path in paths if path.suffix in SUFFIXES or _is_python(path))
+
+
+def _is_python(path: Path) -> bool:
+    return path.suffix == ".py" or (path.suffix == "" and path.read_bytes().startswith(PYTHON_SCRIPT))
+
+
+def files_by_folder(root: Path) -> Counter[str]:
+    """The number of source files in each folder, relative to the root."""
+    return Counter(path.parent.relative_to(root).as_posix() for path in sources(root))
+
+
+def parsed(root: Path) -> dict[Path, ast.Module]:
+    """The Python files, relative to the root."""
+    paths = [path for path in sources(root) if _is_python(path)]
+    return {path.relative_to(root): ast.parse(path.read_bytes()) for path in paths}
+
+
+def parameters_by_function(modules: Mapping[Path, ast.Module]) -> dict[str, int]:
+    """The number of parameters of each function, as FILE:CLASS.NAME, without ``self`` and ``cls``."""
+    return {
+        name: count
+        for path, module in modules.items()
+        for name, count in _parameters(module, f"{path.as_posix()}:")
+    }
+
+
+def _parameters(node: ast.AST, prefix: str) -> Iterator[tuple[str, int]]:
+    for child in ast.iter_child_nodes(node):
+        name = prefix
+        if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef):
+            named = [*child.args.posonlyargs, *child.args.args, *child.args.kwonlyargs]
+            yield prefix + child.name, sum(one.arg not in ("self", "cls") for one in named)
+        if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            name = f"{prefix}{child.name}."
+        yield from _parameters(child, name)
+
+
+def unused_exports(modules: Mapping[Path, ast.Module]) -> list[str]:
+    """A sentence for each name that a package exports and no file outside it imports."""
+    exported, imported = dict[str, list[str]](), defaultdict[str, set[str]](set)
+    for path, module in modules.items():
+        package = _package_of(path)
+        for node in ast.walk(module):
+            if isinstance(node, ast.ImportFrom) and node.module != package:
+                imported[node.module or ""].update(alias.name for alias in node.names)
+        if path.name == "__init__.py" and package == ".".join(path.parts[1:-1]):
+            exported[package] = _all_of(module)
+    return [
+        f"{package} exports {name}, which no other package imports: remove it from __all__"
+        for package, names in exported.items()
+        for name in names
+        if name not in imported[package]
+    ]
+
+
+def _package_of(path: Path) -> str:
+    """``galewood.fem`` for its files; "" for files of no such package."""
+    inside = len(path.parts) > 3 and LIBRARIES.get(path.parts[0]) == path.parts[1]
+    return ".".join(path.parts[1:3]) if inside else ""
+
+
+def _all_of(module: ast.Module) -> list[str]:
+    """The strings in ``__all__``."""
+    for node in module.body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return list(ast.literal_eval(node.value))
+    return []
+
+
+def problems(what: str, found: Mapping[str, int], most: int, known: Mapping[str, int]) -> list[str]:
+    """A sentence for each number above the limit or that of its known exception, and for each idle entry."""
+    too_many = [
+        f"{name}: {count} {what}, at most {known.get(name, most)}"
+        for name, count in found.items()
+        if count > known.get(name, most)
+    ]
+    idle = [
+        f"{name}: {found.get(name, 0)} {what} are no exception any more: remove it from scripts/structure.py"
+        for name in known
+        if found.get(name, 0) <= most
+    ]
+    return too_many + idle
+
+
+def main(root: Path) -> int:
+    """Print every problem below a folder; the exit status."""
+    modules = parsed(root)
+    found = problems("source files", files_by_folder(root), MOST_FILES, CROWDED_FOLDERS)
+    found += problems("parameters", parameters_by_function(modules), MOST_PARAMETERS, LONG_SIGNATURES)
+    found += unused_exports(modules)
+    print(*found, sep="\n", end="\n" if found else "")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else REPOSITORY))

@@ -1,0 +1,146 @@
+"""`make check` finds what is too large and what nobody uses: each violation is planted in a copy and found.
+
+Planted imports are in test_import_contracts.py and tests/web/layers.test.ts.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[2]
+VULTURE = Path(sys.executable).with_name("vulture")
+NODE_MODULES = REPOSITORY / "web" / "node_modules"
+LEFT_OUT = shutil.ignore_patterns("__pycache__", "node_modules", "dist", "results", "data", "*.glb", "*.npz")
+
+
+def checked(command: list[str | Path], folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def copied(parts: tuple[str, ...], target: Path) -> Path:
+    """A copy of files and folders of the repository."""
+    for part in parts:
+        source = REPOSITORY / part
+        (target / part).parent.mkdir(parents=True, exist_ok=True)
+        if source.is_dir():
+            shutil.copytree(source, target / part, ignore=LEFT_OUT, dirs_exist_ok=True)
+        else:
+            shutil.copy(source, target / part)
+    return target
+
+
+# ---- sizes --------------------------------------------------------------------------------------------
+
+
+def structure(folder: Path) -> subprocess.CompletedProcess[str]:
+    return checked([sys.executable, REPOSITORY / "scripts" / "structure.py", folder], REPOSITORY)
+
+
+def idle_entries_left_out(found: str) -> list[str]:
+    """The problems of an empty folder are that no exception is needed there."""
+    return [line for line in found.splitlines() if "no exception any more" not in line]
+
+
+def test_the_sources_keep_the_limits() -> None:
+    found = structure(REPOSITORY)
+    assert (found.returncode, found.stdout) == (0, ""), found.stdout + found.stderr
+
+
+def test_a_folder_of_sixteen_files_is_found(tmp_path: Path) -> None:
+    folder = tmp_path / "web" / "src" / "planted"
+    folder.mkdir(parents=True)
+    for number in range(15):
+        (folder / f"file{number}.ts").touch()
+    assert idle_entries_left_out(structure(tmp_path).stdout) == []
+    (folder / "file15.ts").touch()
+    found = structure(tmp_path)
+    assert found.returncode == 1
+    assert idle_entries_left_out(found.stdout) == ["web/src/planted: 16 source files, at most 15"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def planted({}): ...",
+        "async def planted(*, {}): ...",
+        "class Planted:\n    def planted(self, {}): ...",
+    ],
+)
+def test_a_function_of_ten_parameters_is_found(tmp_path: Path, text: str) -> None:
+    (tmp_path / "server").mkdir()
+    names = [f"p{number}" for number in range(10)]
+    (tmp_path / "server" / "planted.py").write_text(text.format(", ".join(names[:9])))
+    assert idle_entries_left_out(structure(tmp_path).stdout) == []
+    (tmp_path / "server" / "planted.py").write_text(text.format(", ".join(names)))
+    found = structure(tmp_path)
+    assert found.returncode == 1
+    assert [line.partition("planted: ")[2] for line in idle_entries_left_out(found.stdout)] == [
+        "10 parameters, at most 9"
+    ]
+
+
+def test_an_exception_that_is_not_needed_is_found(tmp_path: Path) -> None:
+    sys.path.insert(0, str(REPOSITORY / "scripts"))
+    import structure as limits
+
+    known = {"crowded": 20, "small": 18, "gone": 16}
+    assert limits.problems("source files", {"crowded": 21, "small": 15}, 15, known) == [
+        "crowded: 21 source files, at most 20",
+        "small: 15 source files are no exception any more: remove it from scripts/structure.py",
+        "gone: 0 source files are no exception any more: remove it from scripts/structure.py",
+    ]
+
+
+# ---- what nobody uses ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def python_sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    parts = (
+        "precompute",
+        "server",
+        "scripts",
+        "tests",
+        "docs/examples",
+        "docs/_site",
+        "setup.py",
+        "pyproject.toml",
+    )
+    return copied(parts, tmp_path_factory.mktemp("python"))
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "name"),
+    [
+        ("precompute/galewood/wood/planted.py", "def planted_function() -> None: ...", "planted_function"),
+        ("precompute/galewood/wood/__init__.py", "", ""),
+        ("server/galewood_server/ops/planted.py", "class PlantedClass: ...", "PlantedClass"),
+    ],
+)
+def test_an_unused_name_is_found(python_sources: Path, file: str, text: str, name: str) -> None:
+    path = python_sources / file
+    before = path.read_text() if path.exists() else None
+    path.write_text(f"{before or ''}\n{text}\n")
+    try:
+        found = checked([VULTURE], python_sources)
+    finally:
+        path.unlink() if before is None else path.write_text(before)
+    assert (found.returncode, name in found.stdout) == ((3, True) if name else (0, True)), found.stdout
+
+
+def test_an_unused_export_is_found(tmp_path: Path) -> None:
+    copied(("web", "tests/web", "tests/e2e"), tmp_path)
+    (tmp_path / "web" / "node_modules").symlink_to(NODE_MODULES)
+    knip: list[str | Path] = [NODE_MODULES / ".bin" / "knip", "--no-progress"]
+    found = checked(knip, tmp_path / "web")
+    assert found.returncode == 0, found.stdout + found.stderr
+    for file in ("web/src/page/planted.ts", "web/player/src/core/planted.ts"):
+        (tmp_path / file).write_text("export const planted = 1;\nexport const used = planted;\n")
+    found = checked(knip, tmp_path / "web")
+    assert found.returncode == 1
+    assert found.stdout.count("planted") >= 2, found.stdout
