@@ -126,7 +126,9 @@ class PrimitiveReader:
                 continue
             change = self._document.floats(target[name])
             if change is None or change.shape != rows.shape:
-                raise broken("gltf-structure", "A morph target and its mesh differ in their number of vertices.")
+                raise broken(
+                    "gltf-structure", "A morph target and its mesh differ in their number of vertices."
+                )
             rows = rows + float(weight) * change
         return rows
 

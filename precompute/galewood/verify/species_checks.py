@@ -103,7 +103,7 @@ def against_generator(one: Specimen) -> Iterator[Check]:
     yield absolute(name, float(np.median(error)) / 5, 1.0, note)
     match = branches_found(one.skeleton, points, branch)
     extra = len(match.extra_tips_m)
-    note = f"{match.found} of {match.true} found, {extra} that are none"
+    note = f"{match.found} of {match.true} found, {extra} spurious"
     note += f"; limbs touch {one.skeleton.report['meetings']} times"
     wrong = (match.true - match.found + extra) / match.true
     yield absolute(f"{one.name}: branches missed or spurious", wrong, 0.035, note)

@@ -51,7 +51,7 @@ def trunk_warnings(tree: Cylinders, trunk: Branch) -> list[str]:
     if len(swollen):
         thickest_mm = 1000 * float(tree.radius_m[swollen].max())
         found.append(
-            f"{len(swollen)} cylinders are more than {MAX_RADIUS_GROWTH:g} times as thick as the one they grow "
-            f"from (the thickest has a radius of {thickest_mm:.0f} mm): check their radii."
+            f"{len(swollen)} cylinders are more than {MAX_RADIUS_GROWTH:g} times as thick as the one they "
+            f"grow from (the thickest has a radius of {thickest_mm:.0f} mm): check their radii."
         )
     return found

@@ -213,7 +213,9 @@ export class Forest extends Group {
   /** Moves planted trees; they keep their pose. */
   move(planted: Planted, places: readonly Matrix4[]): void {
     if (places.length !== planted.count)
-      throw new RangeError(`expected ${planted.count} matrices, not ${places.length}: plant the other trees separately`);
+      throw new RangeError(
+        `expected ${planted.count} matrices, not ${places.length}: plant the other trees separately`,
+      );
     planted.matrices = places.map((matrix) => matrix.clone());
     planted.trees.setInstances(instancesOf(planted.matrices));
     this.client.move(planted.group, planted.table, placementOf(planted.matrices, this.matrixWorld));

@@ -19,11 +19,11 @@ export function upAxisRow({ axis }: Assumed, change: (axis: UpAxis) => void): HT
   question.append(make("legend", "Does the tree stand upright?"));
   const yes = make("div", "", "own-tree-answers");
   const no = make("div", "", "own-tree-answers");
-  const name = AXES.find(([id]) => id === axis.value)?.[1] ?? axis.value;
-  yes.append(button(`Yes, ${name} is up`, () => change(axis.value)));
+  const [assumed, name] = AXES.find(([id]) => id === axis.value) ?? AXES[0];
+  yes.append(button(`Yes, ${name} is up`, () => change(assumed)));
   no.append(
     make("span", "No, up is"),
-    ...AXES.filter(([id]) => id !== axis.value).map(([id, words]) => button(words, () => change(id))),
+    ...AXES.filter(([id]) => id !== assumed).map(([id, words]) => button(words, () => change(id))),
   );
   question.append(yes, no, make("small", `The up axis is uncertain: ${axis.reason}.`));
   return question;

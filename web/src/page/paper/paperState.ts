@@ -70,5 +70,7 @@ export function paperNote(trees: readonly { known: KnownTree; state: PaperState 
     .map(({ known, state }) => `${displayName(known.tree)}: ${paperWords(state)}`);
   if (open.length > MOST_LINES) lines.push(`and ${open.length - MOST_LINES} more`);
   const waits = open.some(({ state }) => state.kind !== "missing" && state.kind !== "bare");
-  return [...lines, waits ? "Using the modal model until then." : "Using the modal model instead."].join("\n");
+  return [...lines, waits ? "Using the modal model until then." : "Using the modal model instead."].join(
+    "\n",
+  );
 }

@@ -19,9 +19,7 @@ export class PaintBar {
   readonly root = make("div", "", "own-tree-paint");
   private readonly undo = this.button("Undo", "Undo the last stroke (Ctrl+Z)", () => this.events.undo());
   private readonly redo = this.button("Redo", "Redo the last stroke (Ctrl+Y)", () => this.events.redo());
-  private readonly keep = this.button("Apply", "Import the tree as painted", () =>
-    this.events.finish(true),
-  );
+  private readonly keep = this.button("Apply", "Import the tree as painted", () => this.events.finish(true));
   private readonly line = make("small", "", "soft");
 
   constructor(private readonly events: PaintBarEvents) {
