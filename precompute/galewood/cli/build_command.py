@@ -37,7 +37,7 @@ AllTrees = Annotated[
     bool,
     typer.Option(
         "--all-trees",
-        help="Build every tree of a file with several: OUT-1.gwt, OUT-2.gwt, ... A failure does not stop the rest.",
+        help="Build every tree of a file with several: OUT-1.gwt, ... A failure does not stop the rest.",
     ),
 ]
 
