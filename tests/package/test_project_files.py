@@ -1,0 +1,64 @@
+"""Files that other programs read: they agree with each other, and with what the repository contains."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+def text(name: str) -> str:
+    return (REPOSITORY / name).read_text()
+
+
+def document(name: str) -> Any:
+    return yaml.safe_load(text(name))
+
+
+PROJECT: dict[str, Any] = tomllib.loads(text("pyproject.toml"))["project"]
+
+
+def test_the_version_is_the_same_everywhere() -> None:
+    citation = document("CITATION.cff")
+    wheel = re.search(r"galewood-([\d.]+)-py3-none-any\.whl", text("README.md"))
+    image = re.search(r"image: galewood:(\S+)", text("docker-compose.yml"))
+    assert wheel and image
+    versions = {
+        "web/package.json": json.loads(text("web/package.json"))["version"],
+        "web/player/package.json": json.loads(text("web/player/package.json"))["version"],
+        "CITATION.cff": citation["version"],
+        "README.md": wheel[1],
+        "docker-compose.yml": image[1],
+    }
+    assert versions == dict.fromkeys(versions, PROJECT["version"])
+    assert citation["license"] == PROJECT["license"]
+
+
+def test_hooks_run_what_is_installed_here() -> None:
+    for repository in document(".pre-commit-config.yaml")["repos"]:
+        assert repository["repo"] == "local"
+        for hook in repository["hooks"]:
+            program, *arguments = hook["entry"].split()
+            assert hook["language"] == "system"
+            assert program.startswith(".venv/bin/") or program == "npm"
+            for name in [word for word in arguments if word.endswith(".py")]:
+                assert (REPOSITORY / name).is_file()
+
+
+def test_the_workflow_runs_what_ci_runs_with_actions_that_cannot_change() -> None:
+    steps = document(".github/workflows/ci.yml")["jobs"]["tests"]["steps"]
+    assert [step["run"] for step in steps if "run" in step] == [".ci/run"]
+    used = [step["uses"] for step in steps if "uses" in step]
+    assert used and all(re.fullmatch(r"actions/[a-z-]+@[0-9a-f]{40}", one) for one in used)
+
+
+def test_the_development_container_has_the_python_of_the_image() -> None:
+    (base,) = re.findall(r"^FROM (python\S+)$", text(".devcontainer/Dockerfile"), re.MULTILINE)
+    assert f"FROM {base}" in text("Dockerfile")
+    assert json.loads(text(".devcontainer/devcontainer.json"))["build"] == {"dockerfile": "Dockerfile"}
