@@ -17,8 +17,8 @@ export {
 } from "./trees/instanceData";
 export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
 export { COMMON_LOT, LOT_SHADER, MISSING_BRANCH_SHARE } from "./trees/lotShader";
-export { type BornePart, boughsOf, STEM } from "./trees/mesh/boughs";
 export type { Components } from "./trees/mesh/components";
+export { limbsOf, type PartGeometry, STEM } from "./trees/mesh/limbs";
 export {
   type BarePart,
   disposeModel,

@@ -22,7 +22,7 @@ const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
 attribute vec4 aTurn;  // see TURNED; scale, share of the pieces that are drawn
 attribute vec4 aTint;  // see TURNED
-attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; lot of its bough, negative: every tree has it
+attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; lot of its limb, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
 attribute vec4 aJoint; // the two nodes between which the vertex is held, share of the second / WHOLE_SHARE

@@ -27,7 +27,7 @@ void main() {
   vNormal = normal;
   vPiece = aPiece;
   gl_Position = vec4(dot(at, uRight), dot(at, uUp), -vDepth, 1.0);
-  // As dense as the trees, each of which lacks some boughs.
+  // As dense as the trees, each of which lacks some limbs.
   gl_Position = mix(vec4(2.0, 2.0, 2.0, 1.0), gl_Position, hasLot(aAnchor.w, vec2(0.0)));
 }
 `;

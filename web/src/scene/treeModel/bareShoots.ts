@@ -35,7 +35,7 @@ const RADIUS_LENGTH_RATIO = 0.009;
 const SHOOT_LENGTH_SHARE = 0.9;
 const SIDE_LENGTH = 0.5;
 const SIDE_ANGLE = 0.75;
-/** Ranks of the shoots and of their side twigs: both disappear before the twigs that bear them. */
+/** Ranks of the shoots and of their side twigs: both disappear before their parent twigs. */
 const RANKS = [
   [0.35, 0.8],
   [0.6, 1],

@@ -1,9 +1,9 @@
-/** Reads a normalised GLB with what the page draws in addition: trees that lack boughs, and bare trees. */
+/** Reads a normalised GLB with what the page draws in addition: trees that lack limbs, and bare trees. */
 
 import type { Components } from "galewood/trees";
 import {
   type BarePart,
-  boughsOf,
+  limbsOf,
   type ReadPart,
   rankedIndex,
   readParts,
@@ -12,7 +12,7 @@ import {
 } from "galewood/trees";
 import { BufferAttribute } from "three";
 import { bareShoots } from "./bareShoots";
-import { lotsOf, pieceLots } from "./boughLots";
+import { lotsOf, pieceLots } from "./limbLots";
 
 /** Mean of the colours of a part; null without any. */
 export function meanColour(colour: BufferAttribute | null): [number, number, number] | null {
@@ -32,14 +32,14 @@ function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribu
   );
 }
 
-/** Gives every bough its lot, so that trees can lack it. */
+/** Gives every limb its lot, so that trees can lack it. */
 function drawLots(read: readonly ReadPart[]): void {
-  const boughs = boughsOf(read.map(({ borne }) => borne));
-  const lots = lotsOf(1 + boughs.reduce((most, bough) => bough.reduce((a, b) => Math.max(a, b), most), -1));
-  read.forEach(({ part, borne }, k) => {
-    const ofPiece = pieceLots(boughs[k], lots);
+  const limbs = limbsOf(read.map(({ geometry }) => geometry));
+  const lots = lotsOf(1 + limbs.reduce((most, limb) => limb.reduce((a, b) => Math.max(a, b), most), -1));
+  read.forEach(({ part, geometry }, k) => {
+    const ofPiece = pieceLots(limbs[k], lots);
     const anchor = part.anchor.array as Float32Array;
-    borne.pieces.ofVertex.forEach((piece, v) => {
+    geometry.pieces.ofVertex.forEach((piece, v) => {
       anchor[4 * v + 3] = ofPiece[piece];
     });
   });
@@ -58,11 +58,11 @@ function cardsOf({ ofVertex, count }: Components): Uint32Array {
 
 /** Shoots in place of leaf cards, in the colour of the twigs; none for trees without drawn twigs. */
 function barePartsOf(read: readonly ReadPart[]): BarePart[] {
-  const twigs = read.find(({ borne }) => borne.kind === "twigs");
-  return read.flatMap(({ part, borne }, of): BarePart[] => {
+  const twigs = read.find(({ geometry }) => geometry.kind === "twigs");
+  return read.flatMap(({ part, geometry }, of): BarePart[] => {
     if (part.kind !== "leaves" || !twigs) return [];
     const positions = part.position.array as Float32Array;
-    const shoots = bareShoots({ positions, first: cardsOf(borne.pieces) });
+    const shoots = bareShoots({ positions, first: cardsOf(geometry.pieces) });
     const vertices = shoots.card.length;
     const piece = new Float32Array(4 * vertices);
     const anchor = new Float32Array(4 * vertices);
@@ -89,7 +89,7 @@ function barePartsOf(read: readonly ReadPart[]): BarePart[] {
   });
 }
 
-/** Reads a GLB; throws if it is invalid or contains no mesh. `varied`: each tree lacks some boughs. */
+/** Reads a GLB; throws if it is invalid or contains no mesh. `varied`: each tree lacks some limbs. */
 export async function readTreeModel(bytes: ArrayBuffer, varied = false): Promise<TreeModel> {
   const { read, height_m, radius_m } = await readParts(bytes);
   if (varied) drawLots(read);

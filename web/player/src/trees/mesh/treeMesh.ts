@@ -12,9 +12,9 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../../core/math/random";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
 import { COMMON_LOT } from "../lotShader";
-import type { BornePart } from "./boughs";
 import { type Components, connectedComponents, holders, petioles, weldedComponents } from "./components";
 import { leafFreedom, openness, roundNormals } from "./foliage";
+import type { PartGeometry } from "./limbs";
 
 /** Wood moves with its branch; leaves also flutter and are lit from both sides. */
 export type Part = "wood" | "leaves";
@@ -28,7 +28,7 @@ export interface TreePart {
   /** Linear colours (red, green, blue) by which the material's colour is multiplied; null: none. */
   readonly colour: BufferAttribute | null;
   readonly position: BufferAttribute;
-  /** The point to which the vertex's leaf or branch shrinks, and the lot of its bough (boughLots.ts). */
+  /** The point to which the vertex's leaf or branch shrinks, and the lot of its limb (limbLots.ts). */
   readonly anchor: BufferAttribute;
   /** Random number of the piece, openness to the sky, freedom of the leaf vertex to flutter, rank of the piece. */
   readonly piece: BufferAttribute;
@@ -107,7 +107,7 @@ function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boo
 /** A part with the pieces that its variants are made from. */
 export interface ReadPart {
   readonly part: TreePart;
-  readonly borne: BornePart;
+  readonly geometry: PartGeometry;
 }
 
 function partFrom(
@@ -153,8 +153,8 @@ function partFrom(
     index: new BufferAttribute(ranked.index, 1),
     counts: ranked.counts,
   };
-  const borneKind = leaves ? "leaves" : isTwigs(mesh) ? "twigs" : "wood";
-  return { part, borne: { kind: borneKind, positions, index, pieces: of } };
+  const partKind = leaves ? "leaves" : isTwigs(mesh) ? "twigs" : "wood";
+  return { part, geometry: { kind: partKind, positions, index, pieces: of } };
 }
 
 /** Colours of the vertices without their alpha; three.js calls the attribute "color". */

@@ -2,10 +2,10 @@ import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { describe, expect, test } from "vitest";
 import { readGlb } from "../../web/scripts/species/glb";
-import { hasLot, lotsOf } from "../../web/src/scene/treeModel/boughLots";
+import { hasLot, lotsOf } from "../../web/src/scene/treeModel/limbLots";
 import { COMMON_LOT, MISSING_BRANCH_SHARE } from "../../web/player/src/trees/lotShader";
 import { bareShoots } from "../../web/src/scene/treeModel/bareShoots";
-import { boughsOf, type BornePart, STEM } from "../../web/player/src/trees/mesh/boughs";
+import { limbsOf, type PartGeometry, STEM } from "../../web/player/src/trees/mesh/limbs";
 import { connectedComponents, weldedComponents } from "../../web/player/src/trees/mesh/components";
 import { random } from "./golden";
 
@@ -19,14 +19,14 @@ interface Skeleton {
 }
 
 /** Parts of a shipped render mesh, as the page reads them. */
-async function partsOf(name: string): Promise<BornePart[]> {
+async function partsOf(name: string): Promise<PartGeometry[]> {
   const document = await readGlb(new Uint8Array(readFileSync(path(`shipped/${name}.glb`))));
   return document
     .getRoot()
     .listMeshes()
     .map((mesh) => {
       const [primitive] = mesh.listPrimitives();
-      const kind = mesh.getName().split("_")[0] as BornePart["kind"];
+      const kind = mesh.getName().split("_")[0] as PartGeometry["kind"];
       const positions = primitive.getAttribute("POSITION")?.getArray() as Float32Array;
       const index = primitive.getIndices()?.getArray() as Uint32Array;
       const pieces =
@@ -37,24 +37,24 @@ async function partsOf(name: string): Promise<BornePart[]> {
     });
 }
 
-/** The bough (branch of level 1) of every branch of the generator's own skeleton. */
+/** The limb (branch of level 1) of every branch of the generator's own skeleton. */
 function truth({ parent, branch, level }: Skeleton): Map<number, number> {
-  const bough = new Map<number, number>();
+  const limb = new Map<number, number>();
   branch.forEach((id, node) => {
-    if (bough.has(id)) return;
+    if (limb.has(id)) return;
     const below = parent[node];
-    if (level[node] === 0) bough.set(id, STEM);
-    else bough.set(id, level[node] === 1 ? id : (bough.get(branch[below]) ?? STEM));
+    if (level[node] === 0) limb.set(id, STEM);
+    else limb.set(id, level[node] === 1 ? id : (limb.get(branch[below]) ?? STEM));
   });
-  return bough;
+  return limb;
 }
 
 describe.each(["poplar", "maple", "apricot", "poplar-forest", "maple-forest", "apricot-forest"])("%s", (name) => {
-  test("the boughs of branches, twigs and leaves are those of the generator", { timeout: 60_000 }, async () => {
+  test("the limbs of branches, twigs and leaves are those of the generator", { timeout: 60_000 }, async () => {
     const skeleton = JSON.parse(readFileSync(path(`${name}.skeleton.json`), "utf8")) as Skeleton;
-    const bough = truth(skeleton);
+    const limb = truth(skeleton);
     const parts = await partsOf(name);
-    const found = boughsOf(parts);
+    const found = limbsOf(parts);
     /** The branch of the nearest point of the skeleton, sampled every 5 cm. */
     const samples = skeleton.points_m.flatMap((point, node) => {
       const below = skeleton.parent[node];
@@ -77,7 +77,7 @@ describe.each(["poplar", "maple", "apricot", "poplar-forest", "maple-forest", "a
     };
     parts.forEach(({ kind, pieces, positions }, p) => {
       if (kind === "leaves") return;
-      // Numbers differ: those of one bough of the generator must have one number, and the stem's none.
+      // Numbers differ: those of one limb of the generator must have one number, and the stem's none.
       const votes = new Map<string, number>();
       const first = new Map<number, number>();
       pieces.ofVertex.forEach((piece, v) => first.set(piece, first.get(piece) ?? v));
@@ -87,7 +87,7 @@ describe.each(["poplar", "maple", "apricot", "poplar-forest", "maple-forest", "a
         const vertices = [...pieces.ofVertex.keys()].filter((u) => pieces.ofVertex[u] === piece);
         const tip = vertices.at(-1) as number;
         const at = kind === "twigs" ? ring : [0, 1, 2].map((axis) => positions[3 * tip + axis]);
-        const key = `${bough.get(nearest(at))} is ${found[p][piece]}`;
+        const key = `${limb.get(nearest(at))} is ${found[p][piece]}`;
         votes.set(key, (votes.get(key) ?? 0) + 1);
       }
       const best = new Map<string, number>();
@@ -101,7 +101,7 @@ describe.each(["poplar", "maple", "apricot", "poplar-forest", "maple-forest", "a
   });
 });
 
-test("every tree lacks the same share of the boughs, and no two neighbours the same ones", () => {
+test("every tree lacks the same share of the limbs, and no two neighbours the same ones", () => {
   const lots = lotsOf(25);
   const place = random(5);
   const sets = Array.from({ length: 60 }, () => {

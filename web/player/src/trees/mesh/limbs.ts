@@ -1,22 +1,22 @@
 /**
- * Finds which bough bears each branch, twig and leaf, so that the trees of a species can differ by the boughs that they
+ * Finds the limb of each branch, twig and leaf, so that the trees of a species can differ by the limbs that they
  * lack. Only positions are known: a side branch begins inside its parent, a twig on its limb, a leaf on its twig. Pure.
  */
 import type { Components } from "./components";
 
-/** A part of the mesh in the order in which parts bear each other: wood, then twigs, then leaves. */
-export interface BornePart {
+/** A part of the mesh in the order of support: wood, then twigs, then leaves. */
+export interface PartGeometry {
   readonly kind: "wood" | "twigs" | "leaves";
   readonly positions: ArrayLike<number>;
   readonly index: ArrayLike<number>;
   readonly pieces: Components;
 }
 
-/** Number of a bough per piece; this one means the stem and what it bears itself. */
+/** Number of a limb per piece; this one means the stem and what grows on it. */
 export const STEM = -1;
 /** Long edges are sampled at this distance, m, and the samples are found in cells of this size. */
 const STEP_M = 0.3;
-/** Farther than this from anything, a piece counts as borne by the stem. */
+/** Farther than this from anything, a piece counts as attached to the stem. */
 const FARTHEST_CELLS = 6;
 
 /** Points in space with a number each, found by their distance. */
@@ -88,7 +88,7 @@ class Samples {
   private readonly vertices: Grouped;
   private readonly corners: Grouped;
 
-  constructor(private readonly part: BornePart) {
+  constructor(private readonly part: PartGeometry) {
     const { ofVertex, count } = part.pieces;
     this.vertices = grouped(ofVertex.length, count, (v) => ofVertex[v]);
     this.corners = grouped(part.index.length, count, (i) => ofVertex[part.index[i]]);
@@ -142,7 +142,7 @@ function firstVertices({ ofVertex, count }: Components): Uint32Array {
 }
 
 /** Middle of the first vertices: the first ring of a twig, the lower edge of a leaf card, a place on a branch's ring. */
-function baseOf(part: BornePart, first: number, piece: number): [number, number, number] {
+function baseOf(part: PartGeometry, first: number, piece: number): [number, number, number] {
   const { positions, pieces } = part;
   const last = Math.min(pieces.ofVertex.length, first + (part.kind === "leaves" ? 2 : 3));
   const sum = [0, 0, 0];
@@ -154,7 +154,7 @@ function baseOf(part: BornePart, first: number, piece: number): [number, number,
 }
 
 /** Height of each piece of the wood: the stem is the tallest. */
-function stemOf({ positions, pieces }: BornePart): number {
+function stemOf({ positions, pieces }: PartGeometry): number {
   const low = new Float32Array(pieces.count).fill(Number.POSITIVE_INFINITY);
   const high = new Float32Array(pieces.count).fill(Number.NEGATIVE_INFINITY);
   pieces.ofVertex.forEach((piece, v) => {
@@ -168,41 +168,41 @@ function stemOf({ positions, pieces }: BornePart): number {
   return stem;
 }
 
-/** The bough of every piece of the wood; branches come after those that bear them. */
-function boughsOfWood(wood: BornePart): Int32Array {
+/** The limb of every piece of the wood; branches come after their parents. */
+function limbsOfWood(wood: PartGeometry): Int32Array {
   const stem = stemOf(wood);
   const first = firstVertices(wood.pieces);
-  const bough = new Int32Array(wood.pieces.count).fill(STEM);
+  const limb = new Int32Array(wood.pieces.count).fill(STEM);
   const order = [...first.keys()].filter((piece) => piece !== stem).sort((a, b) => first[a] - first[b]);
   const known = new Nearby();
   const samples = new Samples(wood);
   samples.add(stem, known, STEM);
-  let boughs = 0;
+  let limbs = 0;
   for (const piece of order) {
-    const borne = known.find(...baseOf(wood, first[piece], piece));
-    bough[piece] = borne === null || borne === STEM ? boughs++ : borne;
-    samples.add(piece, known, bough[piece]);
+    const parent = known.find(...baseOf(wood, first[piece], piece));
+    limb[piece] = parent === null || parent === STEM ? limbs++ : parent;
+    samples.add(piece, known, limb[piece]);
   }
-  return bough;
+  return limb;
 }
 
-/** The bough of every piece of each part; STEM where the stem bears it. Parts without wood are all STEM. */
-export function boughsOf(parts: readonly BornePart[]): Int32Array[] {
+/** The limb of every piece of each part; STEM where it grows on the stem. Parts without wood are all STEM. */
+export function limbsOf(parts: readonly PartGeometry[]): Int32Array[] {
   const known = { wood: new Nearby(), twigs: new Nearby() };
   let twigs = false;
   return parts.map((part) => {
     if (part.kind === "wood") {
-      const bough = boughsOfWood(part);
-      new Samples(part).addAll(known.wood, bough);
-      return bough;
+      const limb = limbsOfWood(part);
+      new Samples(part).addAll(known.wood, limb);
+      return limb;
     }
     const from = part.kind === "leaves" && twigs ? known.twigs : known.wood;
     const first = firstVertices(part.pieces);
-    const bough = Int32Array.from(first, (v, piece) => from.find(...baseOf(part, v, piece)) ?? STEM);
+    const limb = Int32Array.from(first, (v, piece) => from.find(...baseOf(part, v, piece)) ?? STEM);
     if (part.kind === "twigs") {
       twigs = true;
-      new Samples(part).addAll(known.twigs, bough);
+      new Samples(part).addAll(known.twigs, limb);
     }
-    return bough;
+    return limb;
   });
 }
