@@ -1,17 +1,11 @@
-/** The application: connects stage, forest, worker, catalogue and panel. */
+/** The application: makes the features of the page, and gives each what it depends on. */
 
-import { sameWind } from "galewood/wind";
-import { exaggeration } from "../scene/exaggeration";
-import { Forest } from "../scene/forest";
-import { groundHeight_m } from "../scene/ground/landscape";
-import type { Season } from "../scene/season/season";
-import { Stage } from "../scene/stage";
-import { Attention } from "./attention";
-import { Changes, type ChangingParts } from "./changes";
+import { Views } from "./camera/views";
+import { Capture } from "./capture";
+import { followAttention } from "./attention";
 import { Comparison } from "./compare/comparison";
-import { ContextLoss } from "./contextLoss";
 import type { DataFiles } from "./files/dataFiles";
-import { ForestClient } from "./forestClient";
+import { World } from "./forest/world";
 import { ForestFigures } from "./forestFigures";
 import { FrameLoop } from "./frameLoop";
 import { FrameStatistics } from "./frameStatistics";
@@ -20,313 +14,99 @@ import { TreeOverlays } from "./overlays/treeOverlays";
 import { OwnTrees } from "./ownTree/ownTrees";
 import type { OwnUploads } from "./ownTree/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
-import { PickedTreeCard } from "./pickedTreeCard";
 import { Planting } from "./planting";
-import { Playback } from "./playback";
+import { connectPause } from "./playbackControls";
 import { Gusts } from "./pulling/gusts";
 import { Puller } from "./pulling/puller";
-import { type TreeChange, useKeys } from "./server/api";
+import { useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
-import { plantedAs } from "./settings/planted";
-import type { Settings } from "./settings/settings";
-import { sharedFrom } from "./settings/sharedForest";
+import { rememberSettings } from "./settings/storedSettings";
+import { Sharing } from "./sharing";
 import { WindSound } from "./sound";
-import { speciesOptions } from "./speciesOptions";
 import { StatusReport } from "./statusReport";
+import type { Store } from "./store/store";
 import { TreePicker } from "./treePicker";
-import { element } from "./ui/dom";
+import { element, makeButton } from "./ui/dom";
+import { showEmbedBar } from "./ui/embedBar";
 import { askForKey, keptKey } from "./ui/keyDialog";
 import { Panel } from "./ui/panel";
+import { PhysicsCards } from "./ui/physicsCards";
+import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
 import { SceneryBar } from "./ui/scenery";
-import { showToast } from "./ui/toast";
-import { Visit } from "./visit";
+import { fullScreenTool } from "./ui/toolbar";
+import { Undo } from "./undo";
 import { WindStudio } from "./windStudio";
 
-export class App implements ChangingParts {
-  private readonly changes = new Changes(this);
-  readonly stage: Stage;
-  readonly client = new ForestClient(showToast, {
-    placement: (about) => this.changes.takePlacement(about),
-    present: (clients) => this.visit.sharing.present(clients),
-    wind: (wind) => {
-      if (!sameWind(wind, this.settings.wind)) this.changes.changeWind(wind, "shared");
-    },
+/** What `window.galewood` shows of the page. */
+export type Page = ReturnType<typeof openPage>;
+
+export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
+  useKeys({ known: keptKey, ask: askForKey });
+  const world = new World(store);
+  const undo = new Undo(store);
+  rememberSettings(store);
+
+  // The forest. Subscribers to one value are told in the order in which they are made.
+  const catalogue = new Catalogue(store, (sha256) => world.client.loadTable(sha256));
+  const paper = new PaperMethod(store, catalogue, world.client);
+  const inventory = new InventoryPlanting(store, world);
+  new Planting(store, world, catalogue, paper);
+
+  // What the visitor does with it.
+  const views = new Views(store, world);
+  const picker = new TreePicker(store, world);
+  const puller = new Puller(store, world, picker);
+  const gusts = new Gusts(world, picker);
+  const studio = new WindStudio(store, world, picker);
+  const comparison = new Comparison(store, world, catalogue, picker);
+  const overlays = new TreeOverlays(world, catalogue, picker, comparison.errors);
+  const physics = new PhysicsCards(catalogue);
+  const ownTrees = new OwnTrees(uploads, store, world, catalogue, views);
+  const sharing = new Sharing(store, world);
+  const sound = new WindSound(store, world);
+  const capture = new Capture(store, world);
+  files.connect({
+    inventory: (file) => void inventory.open(file),
+    measurement: (file) => void studio.instruments.loadMeasurement(file),
+    wind: (file) => void studio.instruments.loadWind(file),
   });
-  readonly catalogue: Catalogue;
-  readonly paper: PaperMethod;
-  readonly forest: Forest;
-  readonly planting: Planting;
-  readonly inventory: InventoryPlanting;
-  private readonly comparison: Comparison;
-  readonly figures: ForestFigures;
-  private readonly cards: ProgressCards;
-  private readonly ownTrees: OwnTrees;
-  readonly panel: Panel;
-  readonly studio: WindStudio;
-  readonly overlays: TreeOverlays;
-  readonly visit: Visit;
-  readonly scenery: SceneryBar;
-  readonly picker: TreePicker;
-  readonly puller: Puller;
-  private readonly gusts: Gusts;
-  private readonly pickedCard: PickedTreeCard;
-  readonly playback = new Playback();
-  readonly sound = new WindSound();
-  private readonly graphics: ContextLoss;
-  private readonly meter = new FrameStatistics();
-  private readonly attention = new Attention({
-    hide: (hidden) => {
-      this.client.hide(hidden);
-      this.sound.hide(hidden);
-    },
-    retry: () => this.reconnect(),
+
+  // Cards, panel and toolbar.
+  const retry = () => {
+    world.client.retry();
+    catalogue.retry();
+  };
+  followAttention(store.state, retry);
+  const meter = new FrameStatistics();
+  const status = new StatusReport(store, world, catalogue, meter, retry);
+  const panel = new Panel(store, catalogue, paper, meter.statistics);
+  new SceneryBar(store.settings);
+  new ProgressCards(ownTrees, catalogue, world);
+  const card = new PickedCard(store, picker, catalogue, paper, {
+    menu: overlays.menu.element,
+    buttons: [
+      makeButton("Check accuracy", () => void comparison.open()),
+      makeButton("Physics", () => physics.open()),
+    ],
   });
-  private readonly status: StatusReport;
-  readonly flutter = { value: { x: 0, y: 0 } };
-  /** Whether the trees to draw must be selected again. */
-  readonly view = { changed: true };
-  private connected = true;
-  readonly loop: FrameLoop;
+  connectPause(store.playback);
+  if (store.settings.embed) showEmbedBar(store.playback, () => sharing.link);
+  element("tools").replaceChildren(
+    ...undo.tools,
+    ...views.tools,
+    physics.tool,
+    comparison.tool,
+    ...sharing.tools,
+    sound.tool,
+    ...capture.tools,
+    fullScreenTool(),
+  );
 
-  /** Settings are stored as differences from `defaults`. */
-  constructor(
-    readonly settings: Settings,
-    readonly defaults: Settings,
-    uploads: OwnUploads,
-    files: DataFiles,
-  ) {
-    useKeys({ known: keptKey, ask: askForKey });
-    this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
-    // three.js creates its own resources again when it draws; what depends on the view is selected again.
-    this.graphics = new ContextLoss(this.stage.renderer.domElement, () => this.changes.applyScenery());
-    this.stage.backdrop.shown = settings.background;
-    this.forest = new Forest(
-      speciesOptions(settings.quality, this.stage, this.flutter),
-      this.stage.backdrop.library,
-    );
-    this.stage.scene.add(this.forest.group);
-    this.changes.applyScenery();
-    this.changes.exaggerate();
-    this.scenery = new SceneryBar(settings, () => this.changes.apply("season"));
-    this.visit = new Visit(
-      settings,
-      this.stage,
-      this.forest,
-      () => this.catalogue,
-      () => this.client.time_s,
-      () => void this.comparison.open(),
-      this.playback,
-      this.sound,
-      {
-        replaced: (keys) => this.changes.replaced(keys),
-        share: () => this.planting?.share ?? sharedFrom(location.search),
-        startSharing: (id) => this.changes.startSharing(id),
-      },
-    );
-    this.visit.restore(location.search);
-    this.panel = new Panel(
-      settings,
-      this.meter.statistics,
-      this.playback,
-      this.sound,
-      (key) => this.changes.apply(key),
-      (id, how) => this.ownTrees.plant(id, how),
-    );
-    this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
-      isPlanted: (id) => plantedAs(settings, id) !== null || this.inventory.holds(id),
-      change: (change) => this.treeChanged(change),
-      assetsChanged: () => {
-        this.planting.place();
-        this.paper.update();
-      },
-      recordsChanged: () => this.takeRecords(),
-      connected: (connected) => {
-        this.connected = connected;
-      },
-      problem: showToast,
-    });
-    const page = this;
-    this.inventory = new InventoryPlanting({
-      settings,
-      stage: this.stage,
-      catalogue: this.catalogue,
-      get planting() {
-        return page.planting;
-      },
-      look: (eye, at) => this.look(eye, at),
-      changed: () => this.changes.apply("inventory"),
-      remember: () => this.changes.remember("inventory"),
-    });
-    this.planting = new Planting(
-      settings,
-      this.stage,
-      this.forest,
-      this.client,
-      this.catalogue,
-      () => {
-        this.view.changed = true;
-        this.ownTrees.appeared();
-      },
-      this.inventory.forest,
-    );
-    this.ownTrees = new OwnTrees(uploads, {
-      settings,
-      stage: this.stage,
-      forest: this.forest,
-      catalogue: this.catalogue,
-      visit: this.visit,
-      isShared: () => this.planting.share !== null,
-      replant: () => this.changes.apply("planted"),
-      planted: (id) => this.cards.planted(id),
-    });
-    this.cards = new ProgressCards(this.ownTrees);
-    this.catalogue.bare = this.changes.playsBareTables;
-    this.paper = new PaperMethod(settings, {
-      trees: () => this.catalogue.known,
-      load: (table, records) => this.client.loadRecords(table, records),
-      arrived: () => this.planting.place(),
-      problem: showToast,
-    });
-    this.studio = new WindStudio(this.stage, settings, {
-      wind: (wind) => this.changes.changeWind(wind, "instruments"),
-      problem: showToast,
-    });
-    this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.pickedCard.show());
-    this.picker.enabled = () => !this.studio.isPlacing;
-    const moves = () => !this.loop.paused && !this.playback.paused;
-    this.puller = new Puller(this.stage, this.forest, this.client, this.picker, moves);
-    this.gusts = new Gusts(this.stage, this.client);
-    this.picker.onGround = (x_m, z_m) => this.gusts.send(x_m, z_m);
-    this.overlays = new TreeOverlays(this.stage, this.forest, this.client, {
-      picked: () => {
-        const { figures, moving } = this.picker;
-        return figures && { treeId: figures.treeId, at: moving };
-      },
-      find: (treeId) => this.catalogue.find(treeId),
-      error: (sha256) => this.comparison.errors.get(sha256) ?? null,
-      field: this.studio.field,
-      exaggeration,
-    });
-    const { stage, forest, client, catalogue, paper, meter, picker } = this;
-    this.comparison = new Comparison(forest, client, catalogue, picker, (busy) => {
-      // The forest stops meanwhile, to leave the processor to the comparison.
-      this.loop.asleep = busy;
-    });
-    this.status = new StatusReport(settings, stage, forest, client, meter, () => this.reconnect());
-    this.pickedCard = new PickedTreeCard(this.overlays.menu.element, {
-      settings,
-      picker,
-      catalogue,
-      paper,
-      ownTrees: this.ownTrees,
-      visit: this.visit,
-      comparison: this.comparison,
-    });
-    this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
-    if (settings.inventory !== "") this.inventory.follow();
-    files.connect({
-      inventory: (file) => void this.inventory.open(file),
-      measurement: (file) => void this.studio.loadMeasurement(file),
-      wind: (file) => void this.studio.loadWind(file),
-    });
-    this.loop = new FrameLoop({
-      settings,
-      stage,
-      forest,
-      client,
-      picker,
-      meter,
-      view: this.view,
-      planting: this.planting,
-      visit: this.visit,
-      playback: this.playback,
-      ownTrees: this.ownTrees,
-      puller: this.puller,
-      gusts: this.gusts,
-      studio: this.studio,
-      overlays: this.overlays,
-      sound: this.sound,
-      flutter: this.flutter,
-      isUnseen: () => this.attention.hidden || this.graphics.lost,
-      report: () => this.report(),
-    });
-    this.loop.start();
-  }
-
-  private treeChanged(change: TreeChange): void {
-    this.ownTrees.changed(change);
-    this.cards.update(change);
-    this.report();
-  }
-
-  /** The server has new records: fetch them if they are needed here, or ask the server to use them. */
-  private takeRecords(): void {
-    this.paper.update();
-    if (this.settings.method === "paper" && this.settings.lookup === "server") this.planting.place();
-  }
-
-  /** Sets the wind from an untrusted document; throws WindError if it is invalid. */
-  setWind(document: unknown): void {
-    this.changes.setWind(document);
-  }
-
-  /** Sets season and time of day. */
-  setScenery(season: Season, daytime: number): void {
-    this.changes.setScenery(season, daytime);
-  }
-
-  private report(): void {
-    this.panel.showSpecies(this.catalogue.kinds);
-    this.panel.uploads.show(this.catalogue.uploads);
-    this.panel.showMethodNote(this.paper.note);
-    this.status.show(this.connected, this.catalogue.listed);
-    this.pickedCard.show();
-  }
-
-  /** Tries lost connections to the server at once. */
-  private reconnect(): void {
-    this.client.retry();
-    this.catalogue.retry();
-  }
-
-  freeze(frozen: boolean): void {
-    this.forest.freeze(frozen);
-  }
-
-  /** The trees that are pulled or ring down, by anyone. */
-  get pulled() {
-    return this.client.pulled;
-  }
-
-  get connection() {
-    return { ...this.client.connection, events: this.connected };
-  }
-
-  /** Moves the camera: eye and target, with heights above the ground, m. */
-  look(eye: { x: number; above: number; z: number }, at: { x: number; above: number; z: number }): void {
-    this.stage.camera.position.set(eye.x, groundHeight_m(eye.x, eye.z) + eye.above, eye.z);
-    this.stage.controls.target.set(at.x, groundHeight_m(at.x, at.z) + at.above, at.z);
-  }
-
-  dispose(): void {
-    this.loop.stop();
-    this.attention.dispose();
-    this.graphics.dispose();
-    this.puller.dispose();
-    this.gusts.dispose();
-    this.picker.dispose();
-    this.pickedCard.dispose();
-    this.ownTrees.dispose();
-    this.overlays.dispose();
-    this.studio.dispose();
-    this.visit.dispose();
-    this.inventory.dispose();
-    this.comparison.dispose();
-    this.catalogue.dispose();
-    this.client.dispose();
-    this.panel.dispose();
-    this.forest.clear();
-    this.stage.dispose();
-  }
+  const parts = [views, picker, ownTrees, puller, gusts, overlays, sound, studio, capture, status, panel, card];
+  const loop = new FrameLoop(store, world, meter, parts);
+  catalogue.onChange(() => loop.report());
+  loop.start();
+  const figures = new ForestFigures(world, catalogue, paper, meter);
+  return { store, world, loop, figures, studio, sharing, picker, puller, overlays, sound };
 }

@@ -1,49 +1,28 @@
 /** Notices when nobody looks at the page, and when it is worth trying to reach the server again. */
-
-export interface AttentionEvents {
-  /** The page has been hidden for a while, or is visible again. */
-  hide(hidden: boolean): void;
-  /** The network is back or someone looks at the page: lost connections may be tried at once. */
-  retry(): void;
-}
+import type { PageState } from "./store/store";
 
 /** Changing tabs back and forth does not disturb the connections. */
 const HIDDEN_AFTER_MS = 2000;
 
-export class Attention {
-  private readonly life = new AbortController();
-  private timer: ReturnType<typeof setTimeout> | undefined;
-  private told = false;
-
-  constructor(private readonly events: AttentionEvents) {
-    const { signal } = this.life;
-    document.addEventListener("visibilitychange", () => this.look(), { signal });
-    for (const name of ["online", "focus", "pageshow"])
-      addEventListener(name, () => events.retry(), { signal });
-    if (this.hidden) this.look();
-  }
-
-  get hidden(): boolean {
-    return document.visibilityState === "hidden";
-  }
-
-  private look(): void {
-    clearTimeout(this.timer);
-    if (this.hidden) this.timer = setTimeout(() => this.tell(true), HIDDEN_AFTER_MS);
+/**
+ * Writes to `state` whether the page has been hidden for a while. Calls `retry` when the network is back or someone looks
+ * at the page: lost connections may be tried at once.
+ */
+export function followAttention(state: Pick<PageState, "away">, retry: () => void): void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const hides = () => {
+    timer = setTimeout(() => {
+      state.away = true;
+    }, HIDDEN_AFTER_MS);
+  };
+  document.addEventListener("visibilitychange", () => {
+    clearTimeout(timer);
+    if (document.visibilityState === "hidden") hides();
     else {
-      this.tell(false);
-      this.events.retry();
+      state.away = false;
+      retry();
     }
-  }
-
-  private tell(hidden: boolean): void {
-    if (hidden === this.told) return;
-    this.told = hidden;
-    this.events.hide(hidden);
-  }
-
-  dispose(): void {
-    clearTimeout(this.timer);
-    this.life.abort();
-  }
+  });
+  for (const name of ["online", "focus", "pageshow"]) addEventListener(name, retry);
+  if (document.visibilityState === "hidden") hides();
 }

@@ -1,52 +1,77 @@
 /** Photos and short videos of the canvas, saved as files. */
 
+import type { World } from "./forest/world";
+import type { Store } from "./store/store";
 import { saveFile } from "./ui/saveFile";
+import { showToast } from "./ui/toast";
+import { toggle, tool } from "./ui/toolbar";
 
 const FILM_FPS = 30;
-export const LONGEST_FILM_S = 20;
+const LONGEST_FILM_S = 20;
 const FILM_BITS_PER_S = 8_000_000;
-const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
+const VIDEO_TYPES = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
 const stamp = () => new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
 
-/** Saves the current canvas. Call right after drawing, before the browser clears it. */
-export function savePhoto(canvas: HTMLCanvasElement): Promise<void> {
-  return new Promise((done, failed) => {
-    canvas.toBlob((blob) => {
-      if (!blob) return failed(new Error("The browser returned no image."));
-      saveFile(blob, `galewood-${stamp()}.png`);
-      done();
-    }, "image/png");
-  });
+/** The kind of video that this browser can record of a canvas; undefined if it cannot. */
+const filmKind = () =>
+  typeof MediaRecorder === "undefined" ? undefined : VIDEO_TYPES.find((kind) => MediaRecorder.isTypeSupported(kind));
+
+function stop(recorder: MediaRecorder): void {
+  if (recorder.state !== "inactive") recorder.stop();
 }
 
-/** Whether this browser can record a canvas. */
-export const canFilm = () =>
-  typeof MediaRecorder !== "undefined" && KINDS.some((kind) => MediaRecorder.isTypeSupported(kind));
+export class Capture {
+  readonly tools: HTMLElement[];
+  private recorder: MediaRecorder | null = null;
+  private photoWanted = false;
 
-/** Records the canvas until stopped, at most LONGEST_FILM_S seconds, and then saves the video. */
-export class Film {
-  private readonly recorder: MediaRecorder;
-  private readonly timer: ReturnType<typeof setTimeout>;
+  constructor(
+    private readonly store: Store,
+    private readonly world: World,
+  ) {
+    const { state } = store;
+    const photo = tool("photo", "Save photo", () => {
+      this.photoWanted = true;
+    });
+    const film = toggle(
+      "film",
+      "Record video",
+      () => state.filming,
+      () => (this.recorder ? stop(this.recorder) : this.record()),
+    );
+    film.hidden = filmKind() === undefined;
+    this.tools = [photo, film];
+  }
 
-  constructor(canvas: HTMLCanvasElement, ended: () => void) {
-    const mimeType = KINDS.find((kind) => MediaRecorder.isTypeSupported(kind));
-    const stream = canvas.captureStream(FILM_FPS);
-    this.recorder = new MediaRecorder(stream, { mimeType, videoBitsPerSecond: FILM_BITS_PER_S });
+  /** Saves the picture if it is wanted, before the browser clears it. */
+  drawn(): void {
+    if (!this.photoWanted) return;
+    this.photoWanted = false;
+    this.world.canvas.toBlob((picture) => {
+      if (picture) saveFile(picture, `galewood-${stamp()}.png`);
+      else showToast("The photo could not be saved.", "The browser returned no image.");
+    }, "image/png");
+  }
+
+  /** Records until stopped, at most LONGEST_FILM_S seconds, and then saves the video. */
+  private record(): void {
+    const stream = this.world.canvas.captureStream(FILM_FPS);
+    const recorder = new MediaRecorder(stream, { mimeType: filmKind(), videoBitsPerSecond: FILM_BITS_PER_S });
     const parts: Blob[] = [];
-    this.recorder.ondataavailable = ({ data }) => parts.push(data);
-    this.recorder.onstop = () => {
+    recorder.ondataavailable = ({ data }) => parts.push(data);
+    const timer = setTimeout(() => stop(recorder), LONGEST_FILM_S * 1000);
+    recorder.onstop = () => {
+      clearTimeout(timer);
       for (const track of stream.getTracks()) track.stop();
       const film = new Blob(parts, { type: "video/webm" });
       if (film.size > 0) saveFile(film, `galewood-${stamp()}.webm`);
-      ended();
+      this.recorder = null;
+      this.store.state.filming = false;
     };
-    this.recorder.start(1000);
-    this.timer = setTimeout(() => this.stop(), LONGEST_FILM_S * 1000);
-  }
-
-  stop(): void {
-    clearTimeout(this.timer);
-    if (this.recorder.state !== "inactive") this.recorder.stop();
+    recorder.start(1000);
+    this.recorder = recorder;
+    this.store.state.filming = true;
+    showToast("Recording video", `Press again to stop. Recording ends after ${LONGEST_FILM_S} s.`, "good");
   }
 }

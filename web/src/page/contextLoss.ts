@@ -4,44 +4,29 @@ import { showToast } from "./ui/toast";
 /** If it has not come back by then, the visitor is told what to do. */
 const PATIENCE_MS = 1500;
 
+function explain(): void {
+  showToast(
+    "The browser has reset its graphics.",
+    "The forest continues as soon as it can draw again. If it stays still, reload the page.",
+  );
+}
+
 export class ContextLoss {
   /** Whether the context is lost. */
   lost = false;
-  private readonly life = new AbortController();
-  private timer: ReturnType<typeof setTimeout> | undefined;
 
   /** `restored` is called when everything must be drawn again. */
   constructor(canvas: HTMLCanvasElement, restored: () => void) {
-    const { signal } = this.life;
-    canvas.addEventListener(
-      "webglcontextlost",
-      (event) => {
-        event.preventDefault(); // or the browser does not restore it
-        this.lost = true;
-        this.timer = setTimeout(() => this.explain(), PATIENCE_MS);
-      },
-      { signal },
-    );
-    canvas.addEventListener(
-      "webglcontextrestored",
-      () => {
-        clearTimeout(this.timer);
-        this.lost = false;
-        restored();
-      },
-      { signal },
-    );
-  }
-
-  private explain(): void {
-    showToast(
-      "The browser has reset its graphics.",
-      "The forest continues as soon as it can draw again. If it stays still, reload the page.",
-    );
-  }
-
-  dispose(): void {
-    clearTimeout(this.timer);
-    this.life.abort();
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault(); // or the browser does not restore it
+      this.lost = true;
+      timer = setTimeout(explain, PATIENCE_MS);
+    });
+    canvas.addEventListener("webglcontextrestored", () => {
+      clearTimeout(timer);
+      this.lost = false;
+      restored();
+    });
   }
 }

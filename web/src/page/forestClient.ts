@@ -1,7 +1,6 @@
 /** Client of the worker on the main thread: sends plans, receives poses, recycles buffers. */
 
 import type {
-  About,
   Connection,
   ForestPlan,
   FromWorker,
@@ -14,9 +13,13 @@ import type {
   TreeAt,
   Work,
 } from "galewood/client";
-import type { WindDocument, WindState } from "galewood/wind";
+import { sameWind, type WindState } from "galewood/wind";
 import { PullFields } from "./pulling/pullFields";
 import { complianceUrl, recordsUrl, tableUrl } from "./server/api";
+import { foreignPlacement } from "./settings/sharedForest";
+import { watch } from "./store/signals";
+import type { Store } from "./store/store";
+import { showToast } from "./ui/toast";
 
 type Buffers = Float32Array<ArrayBuffer>[];
 
@@ -26,14 +29,6 @@ interface Pending<Result> {
 }
 
 const absolute = (path: string) => new URL(path, document.baseURI).href;
-
-/** Receives changes that other clients make to a shared forest. */
-export interface SharedForestListener {
-  placement(about: About): void;
-  wind(wind: WindDocument): void;
-  /** The number of clients, this one included. */
-  present(clients: number): void;
-}
 
 /** A group for the worker, with the motion that determines its row length. */
 export interface ClientGroup extends Omit<GroupPlan, "table"> {
@@ -76,12 +71,25 @@ export class ForestClient {
   private backlog_s = 0;
   private fresh = false;
 
-  /** `shared` receives changes that other clients make to a shared forest. */
-  constructor(
-    private readonly problem: (title: string, hint: string) => void,
-    private readonly shared: SharedForestListener,
-  ) {
+  constructor(private readonly store: Store) {
+    const { settings, state } = store;
     this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+    watch(
+      () => [settings.wind],
+      ([wind]) => {
+        // The worker already knows a wind that others have changed.
+        if (!store.isAdopting) this.send({ kind: "wind", wind });
+      },
+    );
+    watch(
+      () => [state.stopped],
+      ([paused]) => this.send({ kind: "pause", paused }),
+    );
+    // The server need not send anything while nobody looks.
+    watch(
+      () => [state.away],
+      ([hidden]) => this.send({ kind: "hide", hidden }),
+    );
   }
 
   private send(message: ToWorker, transfer: Transferable[] = []): void {
@@ -108,7 +116,6 @@ export class ForestClient {
   plan(
     groups: readonly ClientGroup[],
     plan: Omit<ForestPlan, "epoch" | "groups">,
-    wind: WindDocument,
     arrived: () => void,
   ): void {
     this.epoch++;
@@ -132,11 +139,8 @@ export class ForestClient {
     const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
     const buffers = make();
     const transfer = buffers.map(({ buffer }) => buffer);
+    const { wind } = this.store.settings;
     this.send({ kind: "plan", plan: full, wind, socketUrl, buffers }, transfer);
-  }
-
-  setWind(wind: WindDocument): void {
-    this.send({ kind: "wind", wind });
   }
 
   /** Begins or continues a pull. */
@@ -153,19 +157,9 @@ export class ForestClient {
     this.send({ kind: "gust", x_m, z_m });
   }
 
-  /** Stops or resumes the clock of a shared forest, for everyone. */
-  pause(paused: boolean): void {
-    this.send({ kind: "pause", paused });
-  }
-
   /** Connects to the server at once if the connection is lost. */
   retry(): void {
     this.send({ kind: "retry" });
-  }
-
-  /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
-  hide(hidden: boolean): void {
-    this.send({ kind: "hide", hidden });
   }
 
   /** Requests the figures of one tree with every frame; null or a new plan ends it. */
@@ -214,11 +208,17 @@ export class ForestClient {
     else if (message.kind === "tableFailed") {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
     } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
-    else if (message.kind === "shared") this.shared.placement(message.about);
-    else if (message.kind === "present") this.shared.present(message.clients);
     else if (message.kind === "pullField") this.pullFields.add(message.table, message.vertex, message.field);
-    else if (message.kind === "sharedWind") this.shared.wind(message.wind);
-    else this.problem(message.title, message.hint);
+    else if (message.kind === "problem") showToast(message.title, message.hint);
+    else this.adopt(message);
+  }
+
+  /** What other clients have changed in a shared forest, and how many there are. */
+  private adopt(message: Extract<FromWorker, { kind: "shared" | "present" | "sharedWind" }>): void {
+    const { store } = this;
+    if (message.kind === "present") store.state.present = message.clients;
+    else if (message.kind === "shared") store.adopt(foreignPlacement(store.settings, message.about));
+    else if (!sameWind(message.wind, store.settings.wind)) store.adopt({ wind: message.wind });
   }
 
   private settleRecords(table: string, fault: string | null): void {

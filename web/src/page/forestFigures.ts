@@ -1,23 +1,22 @@
 /** Figures of the running forest, for `window.galewood`. */
 
 import { meanCrownDisplacement_m } from "galewood/motion";
-import type { Forest, MovingGroup } from "../scene/forest";
-import type { ForestClient } from "./forestClient";
+import type { MovingGroup } from "../scene/forest";
+import type { World } from "./forest/world";
 import type { FrameStatistics } from "./frameStatistics";
 import type { PaperMethod } from "./paper/paperMethod";
 import type { Catalogue } from "./server/catalogue";
 
 export class ForestFigures {
   constructor(
-    private readonly forest: Forest,
-    private readonly client: ForestClient,
+    private readonly world: World,
     private readonly catalogue: Catalogue,
     private readonly paper: PaperMethod,
     private readonly meter: FrameStatistics,
   ) {}
 
   get time_s(): number {
-    return this.client.time_s;
+    return this.world.client.time_s;
   }
 
   get readySpecies(): string[] {
@@ -25,12 +24,12 @@ export class ForestFigures {
   }
 
   get trees() {
-    return this.forest.trees;
+    return this.world.forest.trees;
   }
 
   /** Number of trees of an upload or of a form of a species. */
   planted(treeId: string): number {
-    return this.forest.count(treeId);
+    return this.world.forest.count(treeId);
   }
 
   /** Number of trees that move by the paper's method. */
@@ -47,14 +46,14 @@ export class ForestFigures {
   }
 
   private count(chosen: (group: MovingGroup) => boolean): number {
-    const groups = this.forest.moving.filter(chosen);
+    const groups = this.world.forest.moving.filter(chosen);
     return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
   }
 
   get crownDisplacement_m(): [number, number, number] {
     return meanCrownDisplacement_m(
-      this.forest.moving.flatMap(({ forest: { motion, instances } }, k) => {
-        const poses = this.client.poses[k];
+      this.world.forest.moving.flatMap(({ forest: { motion, instances } }, k) => {
+        const poses = this.world.client.poses[k];
         return motion && poses
           ? [{ ...motion, count: instances.count, placement: instances.placement, poses }]
           : [];
@@ -65,7 +64,7 @@ export class ForestFigures {
   /** Cost of the page: frame, script and worker times, triangles. */
   get statistics() {
     const { frame_ms, script_ms, triangles, drawCalls } = this.meter.statistics;
-    const { work, extrapolationRatio } = this.client;
+    const { work, extrapolationRatio } = this.world.client;
     return { frame_ms, script_ms, triangles, drawCalls, work, extrapolationRatio };
   }
 }

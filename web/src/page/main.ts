@@ -1,6 +1,6 @@
 import "./ui/instruments/instruments.css";
 import "./ui/uploads.css";
-import { App } from "./app";
+import { openPage } from "./app";
 import { DataFiles } from "./files/dataFiles";
 import { detectGraphics } from "./graphics";
 import { OwnUploads } from "./ownTree/ownUploads";
@@ -9,6 +9,7 @@ import { defaultsFor, settingsFromQuery } from "./settings/settings";
 import { sharedFrom } from "./settings/sharedForest";
 import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
+import { Store } from "./store/store";
 import { element } from "./ui/dom";
 import { showHint } from "./ui/hint";
 import { connectSheets } from "./ui/sheets";
@@ -39,11 +40,11 @@ function start(software: boolean): void {
   document.body.classList.toggle("embedded", settings.embed);
   checkWind();
   connectSheets(settings.panel);
-  const app = new App(settings, defaults, uploads, files);
-  exposeProbe(app);
+  const page = openPage(new Store(settings, defaults, location.search), uploads, files);
+  exposeProbe(page);
   if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {
-    if (!event.persisted) app.dispose();
+    if (!event.persisted) page.world.dispose();
   });
 }
 

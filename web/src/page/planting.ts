@@ -1,18 +1,19 @@
-/** Plants the forest: places the trees of the catalogue and sends them to the worker. */
+/** Plants the forest: places the trees of the catalogue and sends them to the worker, again whenever that changes. */
 
 import { clearingPlace } from "../scene/clearing";
-import { type Forest, type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../scene/forest";
+import { type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../scene/forest";
 import { woodReach_m } from "../scene/placement";
-import type { Stage } from "../scene/stage";
 import { placeStand, type Stand } from "../scene/stand";
-import type { ClientGroup, ForestClient } from "./forestClient";
-import type { InventoryForest } from "./inventory/inventoryForest";
+import type { World } from "./forest/world";
+import type { ClientGroup } from "./forestClient";
+import type { PaperMethod } from "./paper/paperMethod";
 import { isRecorded } from "./paper/paperState";
 import type { Catalogue } from "./server/catalogue";
-import { momentFrom } from "./settings/link";
 import { plantedAs } from "./settings/planted";
 import type { Settings } from "./settings/settings";
-import { placementOf, sharedFrom } from "./settings/sharedForest";
+import { PLACEMENT_KEYS, placementOf } from "./settings/sharedForest";
+import { watch } from "./store/signals";
+import type { Store } from "./store/store";
 
 /**
  * Places the trees: built-in ones and uploads that are planted among them share the forest, and every planted upload
@@ -46,71 +47,67 @@ export interface PlantedStand extends Stand {
 /** Around a stand from an inventory the invented forest begins this far from its edge. */
 const OPEN_LAND_M = 130;
 
-const NO_INVENTORY = { current: null, loading: false };
-
 export class Planting {
-  /** Id of the shared forest; null while the forest is private. */
-  share = sharedFrom(location.search);
   /** Whether the trees are to be replaced for all once those that are loading have arrived. */
   private owed = false;
-  /** Time at which the forest starts. */
-  readonly from_s = momentFrom(location.search).time_s ?? 0;
 
-  /** `shown` is called when the trees of a plan have appeared. */
   constructor(
-    private readonly settings: Settings,
-    private readonly stage: Stage,
-    private readonly forest: Forest,
-    private readonly client: ForestClient,
+    private readonly store: Store,
+    private readonly world: World,
     private readonly catalogue: Catalogue,
-    private readonly shown: () => void,
-    private readonly inventory: Pick<InventoryForest, "current" | "loading"> = NO_INVENTORY,
-  ) {}
+    paper: PaperMethod,
+  ) {
+    const { settings, state } = store;
+    watch(
+      () => [...PLACEMENT_KEYS.map((key) => settings[key]), state.share, state.inventory],
+      () => this.place(!store.isAdopting),
+    );
+    watch(
+      () => [
+        settings.lookup,
+        settings.quality,
+        settings.background,
+        catalogue.assetChanges.value,
+        paper.arrivals.value,
+      ],
+      () => this.place(),
+    );
+  }
 
   /**
    * Places the trees. Existing ones keep moving, new ones appear with their first poses. `replant`: also for all who
    * share the forest.
    */
-  place(replant = false): void {
-    const { settings, share } = this;
+  private place(replant = false): void {
+    const { settings, state, from_s } = this.store;
+    const { share, inventory } = state;
     this.owed ||= replant;
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
     if (share !== null && !this.catalogue.isLoaded) return;
-    if (this.inventory.loading) return;
-    const { stand } = this;
+    if (inventory === "loading") return;
+    const named = (species: string) => this.catalogue.uploadNamed(species);
+    const stand = inventory && { stems: inventory.stems, perHa: inventory.report.per_ha, named };
     const placed = plantForest(this.catalogue.assets, settings, stand);
-    this.client.plan(
+    const { lookup, method, poseEasing } = settings;
+    this.world.client.plan(
       placed.flatMap((group) => this.clientGroup(group)),
       {
-        lookup: settings.lookup,
-        method: settings.method,
-        poseEasing: settings.poseEasing,
-        from_s: this.from_s,
+        lookup,
+        method,
+        poseEasing,
+        from_s,
         share: share === null ? null : { id: share, replant: this.owed, about: placementOf(settings) },
       },
-      settings.wind,
-      () => {
-        this.forest.show(placed);
-        this.stage.surround({
+      () =>
+        this.world.show(placed, {
           edge_m: woodReach_m(placed.map(({ instances }) => instances.placement)) + (stand ? OPEN_LAND_M : 0),
           seed: settings.forestSeed,
           density: settings.density,
-          shares: { ...settings.shares },
+          shares: settings.shares,
           assets: this.catalogue.assets,
-        });
-        this.stage.shelter(this.forest.crowns);
-        this.shown();
-      },
+        }),
     );
     this.owed = false;
-  }
-
-  /** The stand of the inventory; null without one. */
-  private get stand(): PlantedStand | null {
-    const { current } = this.inventory;
-    if (!current) return null;
-    const named = (species: string) => this.catalogue.uploadNamed(species);
-    return { stems: current.stems, perHa: current.report.per_ha, named };
   }
 
   /** The group as the worker needs it; none if its trees have no table. */
@@ -125,6 +122,7 @@ export class Planting {
   private isRecorded(id: string): boolean {
     const known = this.catalogue.find(id);
     if (known === null) return false;
-    return isRecorded(this.share === null ? known : { ...known, motion: this.catalogue.leafMotion(id) });
+    const shared = this.store.state.share !== null;
+    return isRecorded(shared ? { ...known, motion: this.catalogue.leafMotion(id) } : known);
   }
 }

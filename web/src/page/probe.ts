@@ -1,7 +1,8 @@
 /** `window.galewood`: the API for tests and embedding pages. */
 
-import type { WindDocument } from "galewood/wind";
-import type { App } from "./app";
+import { parseWind, type WindDocument } from "galewood/wind";
+import type { Season } from "../scene/season/season";
+import type { Page } from "./app";
 import type { PickedFigures } from "./treePicker";
 
 export interface Probe {
@@ -17,24 +18,24 @@ export interface Probe {
   readonly bareTrees: number;
   readonly crownDisplacement_m: [number, number, number];
   readonly lookup: "worker" | "server";
-  readonly connection: App["connection"];
+  readonly connection: Page["world"]["client"]["connection"] & { readonly events: boolean };
   readonly paused: boolean;
   readonly wind: WindDocument;
   /** Share of the trees within the sampled range of winds, 0..1. */
   readonly coverage: number;
   /** The anemometer; null if none is placed. */
-  readonly anemometer: App["studio"]["anemometer"];
+  readonly anemometer: Page["studio"]["anemometer"];
   /** Sets the wind from a document; throws an error that names the invalid field. */
   setWind(document: unknown): void;
   pause(): void;
   resume(): void;
-  look: App["look"];
+  look: Page["world"]["look"];
   /** Position of the camera, m. */
   readonly eye: readonly [number, number, number];
   /** A URL that restores this forest, wind, light and view. */
   readonly link: string;
   /** Sets season ("spring", "summer", "autumn", "winter") and elapsed share of the daylight. */
-  dress: App["setScenery"];
+  dress(season: Season, daytime: number): void;
   /** Stops advancing and drawing, or resumes. */
   sleep(asleep: boolean): void;
   /** Advances by one frame of dt_s and waits for it; for frame-by-frame rendering while asleep. */
@@ -44,18 +45,18 @@ export interface Probe {
   /** The picked tree and its current figures. */
   readonly picked: PickedFigures | null;
   /** What is drawn on the picked tree. */
-  readonly overlay: App["overlays"]["shown"];
+  readonly overlay: Page["overlays"]["shown"];
   /** Loudness of the wind, 0..1. */
   readonly loudness: number;
   /** The branch that this visitor pulls: its tree, where point and hand are in the window, displacement and force. */
-  readonly pull: App["puller"]["figures"];
+  readonly pull: Page["puller"]["figures"];
   /** The trees that are pulled or ring down, by anyone. */
-  readonly pulled: App["pulled"];
+  readonly pulled: Page["world"]["client"]["pulled"];
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. */
-  readonly statistics: App["figures"]["statistics"] & {
-    readonly impostors: App["stage"]["backdrop"]["figures"];
+  readonly statistics: Page["figures"]["statistics"] & {
+    readonly impostors: Page["world"]["stage"]["backdrop"]["figures"];
   };
   /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void;
@@ -67,92 +68,96 @@ declare global {
   }
 }
 
-export function exposeProbe(app: App): void {
+export function exposeProbe(page: Page): void {
+  const { store, world, loop, figures, studio, sharing, picker, puller, overlays, sound } = page;
+  const { settings, state } = store;
   window.galewood = {
     get frame() {
-      return app.loop.frame;
+      return loop.frame;
     },
     get time_s() {
-      return app.figures.time_s;
+      return figures.time_s;
     },
     get readySpecies() {
-      return app.figures.readySpecies;
+      return figures.readySpecies;
     },
     get trees() {
-      return app.figures.trees;
+      return figures.trees;
     },
-    planted: (treeId) => app.figures.planted(treeId),
+    planted: (treeId) => figures.planted(treeId),
     get paperTrees() {
-      return app.figures.paperTrees;
+      return figures.paperTrees;
     },
     get bareTrees() {
-      return app.figures.bareTrees;
+      return figures.bareTrees;
     },
     get crownDisplacement_m() {
-      return app.figures.crownDisplacement_m;
+      return figures.crownDisplacement_m;
     },
     get lookup() {
-      return app.settings.lookup;
+      return settings.lookup;
     },
     get connection() {
-      return app.connection;
+      return { ...world.client.connection, events: state.connected };
     },
     get paused() {
-      return app.loop.paused;
+      return state.stopped;
     },
     get wind() {
-      return app.settings.wind;
+      return settings.wind;
     },
     get coverage() {
-      return app.studio.coverage;
+      return studio.coverage;
     },
     get anemometer() {
-      return app.studio.anemometer;
+      return studio.anemometer;
     },
-    setWind: (document) => app.setWind(document),
+    setWind(document) {
+      settings.wind = parseWind(document);
+    },
     pause() {
-      app.loop.paused = true;
+      state.stopped = true;
     },
     resume() {
-      app.loop.paused = false;
+      state.stopped = false;
     },
-    look: (eye, at) => app.look(eye, at),
+    look: (eye, at) => world.look(eye, at),
     get eye() {
-      return app.visit.moment.eye;
+      return sharing.moment.eye;
     },
     get link() {
-      return app.visit.link;
+      return sharing.link;
     },
-    dress: (season, daytime) => app.setScenery(season, daytime),
+    dress: (season, daytime) => store.change({ season, daytime: Math.min(1, Math.max(0, daytime)) }),
     sleep(asleep) {
-      app.loop.asleep = asleep;
+      state.asleep = asleep;
     },
-    step: (dt_s, drawn) => app.loop.step(dt_s, drawn),
+    step: (dt_s, drawn) => loop.step(dt_s, drawn),
     pick(left_px, top_px) {
-      app.picker.select(app.picker.find(left_px, top_px));
-      return app.picker.figures;
+      picker.select(world.pick(left_px, top_px));
+      return picker.figures;
     },
     get picked() {
-      return app.picker.figures;
+      return picker.figures;
     },
     get overlay() {
-      return app.overlays.shown;
+      return overlays.shown;
     },
     get loudness() {
-      return app.sound.loudness;
+      return sound.loudness;
     },
     get pull() {
-      return app.puller.figures;
+      return puller.figures;
     },
     get pulled() {
-      return app.pulled;
+      return world.client.pulled;
     },
     follow(following) {
-      app.picker.following = following;
+      picker.following.value = following;
     },
     get statistics() {
-      return { ...app.figures.statistics, impostors: app.stage.backdrop.figures };
+      return { ...figures.statistics, impostors: world.stage.backdrop.figures };
     },
-    freeze: (frozen) => app.freeze(frozen),
+    freeze: (frozen) => world.forest.freeze(frozen),
   };
 }

@@ -1,5 +1,9 @@
 /** The sound of the wind at the camera: filtered noise that follows the local gusts. Off until asked for. */
-import type { WindField } from "galewood/wind";
+import { effect } from "@preact/signals-core";
+import type { World } from "./forest/world";
+import type { Frame } from "./frameLoop";
+import type { Store } from "./store/store";
+import { toggle } from "./ui/toolbar";
 
 const NOISE_S = 4;
 /** Time constant with which the sound follows the wind, s. */
@@ -52,50 +56,50 @@ function makeVoice(): Voice {
 }
 
 export class WindSound {
-  /** 0..1. */
-  volume = 0.5;
+  readonly tool: HTMLButtonElement;
+  /** Current loudness, 0..1. */
+  loudness = 0;
   private voice: Voice | null = null;
-  private wanted = false;
   private readonly x = new Float64Array(1);
   private readonly z = new Float64Array(1);
   private readonly vx = new Float64Array(1);
   private readonly vz = new Float64Array(1);
 
-  get on(): boolean {
-    return this.wanted;
+  constructor(
+    private readonly store: Store,
+    private readonly world: World,
+  ) {
+    const { state } = store;
+    this.tool = toggle(
+      "sound",
+      "Sound of the wind",
+      () => state.sound,
+      () => {
+        state.sound = !state.sound;
+      },
+    );
+    // A page that nobody looks at is silent. The first sound follows from a click, or the browser would suppress it.
+    effect(() => this.play(state.sound && !state.away));
   }
 
-  /** Turning it on must be an action of the visitor, or the browser keeps it silent. */
-  set on(on: boolean) {
-    this.wanted = on;
-    if (on) this.voice ??= makeVoice();
-    void (on ? this.voice?.context.resume() : this.voice?.context.suspend());
+  private play(heard: boolean): void {
+    if (heard) this.voice ??= makeVoice();
+    void (heard ? this.voice?.context.resume() : this.voice?.context.suspend());
   }
 
-  /** Current loudness, 0..1. */
-  loudness = 0;
-
-  /** Per frame: the wind where the visitor stands; silent while the motion is paused. */
-  advance(field: WindField, at: { x: number; z: number }, time_s: number, playing: boolean): void {
+  /** The wind where the visitor stands; silent while the motion is paused. */
+  advance({ playing }: Frame): void {
     const { voice } = this;
-    if (!this.wanted || !voice) return;
-    [this.x[0], this.z[0]] = [at.x, at.z];
-    field.velocity(this.x, this.z, time_s, this.vx, this.vz);
+    const { sound, volume } = this.store.state;
+    if (!sound || !voice) return;
+    const { field, client, stage } = this.world;
+    [this.x[0], this.z[0]] = [stage.camera.position.x, stage.camera.position.z];
+    field.velocity(this.x, this.z, client.time_s, this.vx, this.vz);
     const { gain, leaves_hz, howl_hz } = soundOf(Math.hypot(this.vx[0], this.vz[0]));
-    this.loudness = playing ? gain * this.volume : 0;
+    this.loudness = playing ? gain * volume : 0;
     const now_s = voice.context.currentTime;
     voice.gain.gain.setTargetAtTime(this.loudness, now_s, FOLLOWS_S);
     voice.leaves.frequency.setTargetAtTime(leaves_hz, now_s, FOLLOWS_S);
     voice.howl.frequency.setTargetAtTime(howl_hz, now_s, FOLLOWS_S);
-  }
-
-  /** A page that nobody looks at is silent. */
-  hide(hidden: boolean): void {
-    if (this.wanted) void (hidden ? this.voice?.context.suspend() : this.voice?.context.resume());
-  }
-
-  dispose(): void {
-    void this.voice?.context.close();
-    this.voice = null;
   }
 }

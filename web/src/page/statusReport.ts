@@ -1,55 +1,47 @@
 /** Writes the figures of the panel, the status line and the summary of the forest. */
 
 import type { Connection } from "galewood/client";
-import type { Forest } from "../scene/forest";
-import type { Stage } from "../scene/stage";
-import type { ForestClient } from "./forestClient";
+import type { World } from "./forest/world";
 import type { FrameStatistics } from "./frameStatistics";
-import type { Settings } from "./settings/settings";
-import { element, make } from "./ui/dom";
-import { type ListedTrees, statusLine, summary } from "./ui/words";
-
-/** Replaces a text only if it differs: screen readers announce every replacement. */
-function write(place: HTMLElement, text: string): void {
-  if (place.textContent !== text) place.textContent = text;
-}
+import type { Catalogue } from "./server/catalogue";
+import type { Store } from "./store/store";
+import { element, make, makeButton, write } from "./ui/dom";
+import { statusLine, summary } from "./ui/words";
 
 export class StatusReport {
   private readonly words = make("span");
-  private readonly again = make("button", "Try now", "try-now");
+  private readonly again: HTMLButtonElement;
 
   /** `retry` tries lost connections at once. */
   constructor(
-    private readonly settings: Settings,
-    private readonly stage: Stage,
-    private readonly forest: Forest,
-    private readonly client: ForestClient,
+    private readonly store: Store,
+    private readonly world: World,
+    private readonly catalogue: Catalogue,
     private readonly meter: FrameStatistics,
     retry: () => void,
   ) {
-    this.again.type = "button";
-    this.again.addEventListener("click", retry);
+    this.again = makeButton("Try now", retry, "try-now");
     element("status").replaceChildren(this.words, this.again);
   }
 
-  /** `events`: whether the event stream is open. */
-  show(events: boolean, listed: ListedTrees): void {
-    const { forest } = this;
-    const { connection, lookup_ms } = this.client;
+  report(): void {
+    const { forest, client, stage } = this.world;
+    const { connection, lookup_ms } = client;
     this.meter.publish({
       lookup_ms,
       trees: forest.trees.moving,
       triangles: forest.triangles,
-      drawCalls: this.stage.renderer.info.render.calls,
+      drawCalls: stage.renderer.info.render.calls,
       ...streamFigures(connection),
     });
-    const { state, text } = statusLine({ events, lookup: this.settings.lookup, connection });
+    const { lookup } = this.store.settings;
+    const { state, text } = statusLine({ events: this.store.state.connected, lookup, connection });
     const { dataset } = element("status");
     dataset.state = state;
-    dataset.lookup = this.settings.lookup;
+    dataset.lookup = lookup;
     write(this.words, text);
     this.again.hidden = state !== "lost";
-    write(element("summary"), summary(forest.trees, listed));
+    write(element("summary"), summary(forest.trees, this.catalogue.listed));
   }
 }
 

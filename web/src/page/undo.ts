@@ -1,13 +1,8 @@
-/** Undo and redo of wind and settings, by button and keyboard. */
+/** Undo and redo of wind and settings, by button and keyboard. What others change in a shared forest is not undone. */
 import { History } from "./settings/history";
 import type { Settings } from "./settings/settings";
-
-export interface UndoEvents {
-  /** These settings have been replaced. */
-  replaced(keys: (keyof Settings)[]): void;
-  /** What is possible now. */
-  possible(undo: boolean, redo: boolean): void;
-}
+import type { Store } from "./store/store";
+import { tool } from "./ui/toolbar";
 
 /** Whether a key press belongs to a text field, which has its own undo. */
 const typing = (target: EventTarget | null) =>
@@ -15,19 +10,26 @@ const typing = (target: EventTarget | null) =>
   (target instanceof HTMLInputElement && /^(text|number|search|url|password)$/.test(target.type));
 
 export class Undo {
+  private readonly back = tool("undo", "Undo (Ctrl+Z)", () => this.replace(this.history.undo()));
+  private readonly forth = tool("redo", "Redo (Ctrl+Y)", () => this.replace(this.history.redo()));
+  readonly tools = [this.back, this.forth];
   private readonly history: History;
-  private readonly life = new AbortController();
 
-  constructor(
-    private readonly settings: Settings,
-    private readonly events: UndoEvents,
-  ) {
-    this.history = new History(this.state);
-    addEventListener("keydown", (event) => this.key(event), { signal: this.life.signal });
+  constructor(private readonly store: Store) {
+    this.history = new History(this.present);
+    store.onChange((keys) => this.note(keys));
+    addEventListener("keydown", (event) => this.key(event));
+    this.offer();
   }
 
-  private get state(): string {
-    return JSON.stringify(this.settings);
+  private get present(): string {
+    return JSON.stringify(this.store.settings);
+  }
+
+  private note(keys: readonly (keyof Settings)[]): void {
+    if (this.store.isAdopting) this.history.adopt(this.present);
+    else this.history.record(this.present, keys.join(), performance.now());
+    this.offer();
   }
 
   private key(event: KeyboardEvent): void {
@@ -36,45 +38,23 @@ export class Undo {
     const letter = key.toLowerCase();
     if (letter !== "z" && letter !== "y") return;
     event.preventDefault();
-    if (letter === "y" || shiftKey) this.redo();
-    else this.undo();
-  }
-
-  /** Call after every change that the visitor made; `kind` names what was changed. */
-  record(kind: string): void {
-    this.history.record(this.state, kind, performance.now());
-    this.tell();
-  }
-
-  /** Call after a change that others made. */
-  adopt(): void {
-    this.history.adopt(this.state);
-  }
-
-  undo(): void {
-    this.replace(this.history.undo());
-  }
-
-  redo(): void {
-    this.replace(this.history.redo());
+    this.replace(letter === "y" || shiftKey ? this.history.redo() : this.history.undo());
   }
 
   private replace(state: string | null): void {
     if (state === null) return;
     const then = JSON.parse(state) as Settings;
+    const { settings } = this.store;
     const keys = (Object.keys(then) as (keyof Settings)[]).filter(
-      (key) => JSON.stringify(then[key]) !== JSON.stringify(this.settings[key]),
+      (key) => JSON.stringify(then[key]) !== JSON.stringify(settings[key]),
     );
-    for (const key of keys) Object.assign(this.settings, { [key]: then[key] });
-    this.events.replaced(keys);
-    this.tell();
+    this.store.change(Object.fromEntries(keys.map((key) => [key, then[key]])));
+    this.offer();
   }
 
-  private tell(): void {
-    this.events.possible(this.history.canUndo, this.history.canRedo);
-  }
-
-  dispose(): void {
-    this.life.abort();
+  /** Enables what is possible. */
+  private offer(): void {
+    this.back.disabled = !this.history.canUndo;
+    this.forth.disabled = !this.history.canRedo;
   }
 }

@@ -1,37 +1,42 @@
 /** Opens the comparison with the reference solution; its view is loaded when it is first opened. */
 
 import type { SpeciesForest } from "galewood/trees";
-import type { Forest } from "../../scene/forest";
-import type { ForestClient } from "../forestClient";
+import type { World } from "../forest/world";
 import { localError_m } from "../overlays/localError";
 import type { Catalogue } from "../server/catalogue";
+import type { Store } from "../store/store";
 import type { TreePicker } from "../treePicker";
+import { tool } from "../ui/toolbar";
 import type { Candidate, CompareView } from "./compareView";
 
 export class Comparison {
-  private view: CompareView | null = null;
+  readonly tool = tool("compare", "Check accuracy", () => void this.open());
   /** Error of each node, m, by the table's hash, from the last comparison. */
   readonly errors = new Map<string, Float32Array>();
+  private view: CompareView | null = null;
 
-  /** `busy` is called with true when the comparison opens, and with false when it closes. */
   constructor(
-    private readonly forest: Forest,
-    private readonly client: ForestClient,
+    private readonly store: Store,
+    private readonly world: World,
     private readonly catalogue: Catalogue,
     private readonly picker: TreePicker,
-    private readonly busy: (busy: boolean) => void,
   ) {}
 
+  /** The forest stops meanwhile, to leave the processor to the comparison. */
   async open(): Promise<void> {
     const view = await import("./compareView");
+    const { state } = this.store;
+    const { forest, client } = this.world;
     this.view ??= new view.CompareView({
-      candidates: () => this.forest.moving.flatMap(({ asset, forest }) => this.candidate(asset.id, forest)),
-      wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
+      candidates: () => forest.moving.flatMap((group) => this.candidate(group.asset.id, group.forest)),
+      wind: () => client.wind && { state: client.wind.state, time_s: client.time_s },
       compared: (motion, tracks) => this.errors.set(motion.sha256, localError_m(motion, tracks)),
-      closed: () => this.busy(false),
+      closed: () => {
+        state.asleep = false;
+      },
     });
-    this.busy(true);
-    this.view.open(this.picker.figures?.treeId ?? null);
+    state.asleep = true;
+    this.view.open(this.picker.selected?.treeId ?? null);
   }
 
   /** A candidate for the comparison, at the place of the picked tree or of the first of its species. */
@@ -39,12 +44,8 @@ export class Comparison {
     const tree = this.catalogue.find(id)?.tree;
     const motion = this.catalogue.leafMotion(id);
     if (!tree || !motion) return [];
-    const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
+    const picked = this.picker.selected?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
     const [x_m, z_m, yaw_rad] = instances.placement.subarray(4 * picked, 4 * picked + 3);
     return [{ tree, model, motion, place: { x_m, z_m, yaw_rad } }];
-  }
-
-  dispose(): void {
-    this.view?.dispose();
   }
 }

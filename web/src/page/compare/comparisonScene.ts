@@ -61,9 +61,4 @@ export class ComparisonScene {
       tree.dispose();
     }
   }
-
-  dispose(): void {
-    this.clear();
-    this.stage.dispose();
-  }
 }

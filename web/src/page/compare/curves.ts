@@ -87,11 +87,6 @@ export class Curves {
     this.now_s = time_s;
     this.plot.redraw(false);
   }
-
-  dispose(): void {
-    this.resized.disconnect();
-    this.plot.destroy();
-  }
 }
 
 const isDecade = (tick: number) => Number.isInteger(Math.round(Math.log10(tick) * 1e6) / 1e6);

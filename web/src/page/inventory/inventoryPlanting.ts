@@ -1,11 +1,9 @@
-/** The inventory of the page: where it comes from, its card, and what it changes in the forest. */
+/** The inventory of the page: where it comes from, and its card. */
 
-import type { Stage } from "../../scene/stage";
 import { standView } from "../../scene/stand";
-import type { Planting } from "../planting";
-import type { Catalogue } from "../server/catalogue";
-import { momentFrom } from "../settings/link";
-import type { Settings } from "../settings/settings";
+import type { World } from "../forest/world";
+import { watch } from "../store/signals";
+import type { Store } from "../store/store";
 import { InventoryCard } from "../ui/inventoryCard";
 import { showToast } from "../ui/toast";
 import { InventoryForest } from "./inventoryForest";
@@ -13,81 +11,74 @@ import { InventoryForest } from "./inventoryForest";
 const NOT_SHARED =
   "Put it at an address of this server (galewood forest FILE) and open the page with ?inventory=ADDRESS.";
 
-/** What it needs of the page. */
-export interface InventoryPlace {
-  readonly settings: Settings;
-  readonly stage: Stage;
-  readonly catalogue: Catalogue;
-  readonly planting: Planting;
-  look(eye: ReturnType<typeof standView>["eye"], at: ReturnType<typeof standView>["target"]): void;
-  /** The address of the inventory has changed. */
-  changed(): void;
-  /** It was replaced by a file, which has no address. */
-  remember(): void;
+/** Whether others can plant the same forest; says so if they cannot. */
+export function canBeShared({ state, settings }: Store): boolean {
+  if (state.inventory === null || settings.inventory !== "") return true;
+  showToast("A forest from a file cannot be shared.", NOT_SHARED);
+  return false;
 }
 
 export class InventoryPlanting {
-  readonly forest = new InventoryForest({ changed: () => this.arrived(), problem: showToast });
+  private readonly forest = new InventoryForest({ changed: () => this.arrived(), problem: showToast });
   private readonly card = new InventoryCard({
     report: () => this.forest.report(),
     look: () => this.showStand(),
     remove: () => this.remove(),
   });
+  /** Whether the inventory is that of a file, which has no address. */
+  private fromFile = false;
 
-  constructor(private readonly page: InventoryPlace) {}
+  constructor(
+    private readonly store: Store,
+    private readonly world: World,
+  ) {
+    const { settings } = store;
+    watch(
+      () => [settings.inventory],
+      ([address]) => {
+        if (address !== "" || !this.fromFile) this.follow(address);
+      },
+    );
+    if (settings.inventory !== "") this.follow(settings.inventory);
+  }
 
-  /** Loads the inventory that the settings name. */
-  follow(): void {
-    void this.forest.follow(this.page.settings.inventory);
+  /** Loads the inventory of an address; an empty one removes it. */
+  private follow(address: string): void {
+    this.fromFile = false;
+    this.store.state.inventory = "loading";
+    void this.forest.follow(address);
   }
 
   /** Plants the stems of a file; in a shared forest the others could not see them. */
   async open(file: File): Promise<void> {
-    if (this.page.planting.share !== null) {
+    const { settings, state } = this.store;
+    if (state.share !== null) {
       showToast("A shared forest cannot be planted from a file.", NOT_SHARED);
       return;
     }
-    this.page.settings.inventory = "";
+    this.fromFile = true;
+    state.inventory = "loading";
+    settings.inventory = "";
     await this.forest.open(file);
-    this.page.remember();
   }
 
   private remove(): void {
-    this.page.settings.inventory = "";
-    this.page.changed();
+    this.fromFile = false;
+    if (this.store.settings.inventory === "") this.follow("");
+    else this.store.settings.inventory = "";
   }
 
   private arrived(): void {
     this.card.show(this.forest.current);
-    this.page.catalogue.choose();
-    this.page.planting.place(true);
-    if (momentFrom(location.search).eye === null) this.showStand();
+    this.store.state.inventory = this.forest.current;
+    if (this.store.opened.eye === null) this.showStand();
   }
 
   /** Shows all of the stand. */
   private showStand(): void {
     const { current } = this.forest;
     if (!current) return;
-    const { eye, target } = standView(current.report, this.page.stage.camera.aspect);
-    this.page.look(eye, target);
-  }
-
-  /** Whether an upload has the name of a species in the inventory. */
-  holds(id: string): boolean {
-    const { current } = this.forest;
-    if (!current) return false;
-    const name = this.page.catalogue.uploads.find((upload) => upload.id === id)?.name ?? "";
-    return current.names.has(id.toLowerCase()) || current.names.has(name.toLowerCase());
-  }
-
-  /** Whether others can plant the same; says so if they cannot. */
-  canBeShared(): boolean {
-    if (!this.forest.current || this.page.settings.inventory !== "") return true;
-    showToast("A forest from a file cannot be shared.", NOT_SHARED);
-    return false;
-  }
-
-  dispose(): void {
-    this.card.dispose();
+    const { eye, target } = standView(current.report, this.world.stage.camera.aspect);
+    this.world.look(eye, target);
   }
 }

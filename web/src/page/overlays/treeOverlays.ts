@@ -1,15 +1,15 @@
 /** Draws skeleton, tetrahedra, modes, wind or error on the picked tree, moving with it. */
 
-import type { TableMotion, TreeAt } from "galewood/client";
+import type { TableMotion } from "galewood/client";
 import { NodePose } from "galewood/motion";
 import { INSTANCE_FLOATS } from "galewood/trees";
-import type { WindField } from "galewood/wind";
 import { Group } from "three";
-import type { Forest } from "../../scene/forest";
-import type { Stage } from "../../scene/stage";
-import type { ForestClient } from "../forestClient";
+import { exaggeration } from "../../scene/exaggeration";
+import type { World } from "../forest/world";
+import type { Frame } from "../frameLoop";
 import { Problem } from "../server/api";
-import type { KnownTree } from "../server/catalogue";
+import type { Catalogue } from "../server/catalogue";
+import type { TreePicker } from "../treePicker";
 import { type OverlayKind, OverlayMenu } from "../ui/overlayMenu";
 import {
   type Drawing,
@@ -21,17 +21,6 @@ import {
 } from "./drawings";
 import { modesByFrequency, modeWords } from "./modes";
 import { structureOf } from "./structure";
-
-/** What the overlays need from the page. */
-export interface OverlayPage {
-  /** The picked tree. */
-  picked(): { readonly treeId: string; readonly at: TreeAt | null } | null;
-  find(treeId: string): KnownTree | null;
-  /** Error of each node of a table, m, from the last comparison; null without one. */
-  error(tableSha256: string): Float32Array | null;
-  readonly field: WindField;
-  readonly exaggeration: { readonly value: number };
-}
 
 const millimetres = (error_m: Float32Array) => Math.max(...error_m) * 1000;
 
@@ -51,16 +40,17 @@ export class TreeOverlays {
   private key = "";
   private note = "";
 
+  /** `errors`: of each node of a table, m, from the last comparison, by the hash of the table. */
   constructor(
-    private readonly stage: Stage,
-    private readonly forest: Forest,
-    private readonly client: ForestClient,
-    private readonly page: OverlayPage,
+    private readonly world: World,
+    private readonly catalogue: Catalogue,
+    private readonly picker: TreePicker,
+    private readonly errors: ReadonlyMap<string, Float32Array>,
   ) {
-    stage.scene.add(this.frame);
+    world.stage.scene.add(this.frame);
   }
 
-  choose(kind: OverlayKind): void {
+  private choose(kind: OverlayKind): void {
     this.kind = kind;
     this.menu.show(kind, "");
   }
@@ -70,22 +60,24 @@ export class TreeOverlays {
     return this.drawing ? this.kind : "none";
   }
 
-  /** Per frame: makes the drawing that was chosen, and moves it with the tree. */
-  advance(step_s: number): void {
-    const picked = this.kind === "none" ? null : this.page.picked();
-    const group = picked?.at ? this.forest.moving[picked.at.group]?.forest : undefined;
-    const poses = picked?.at ? this.client.poses[picked.at.group] : undefined;
-    if (!picked?.at || !group?.motion || !poses) {
+  /** Makes the drawing that was chosen, and moves it with the tree. */
+  advance({ played_s }: Frame): void {
+    const { selected } = this.picker;
+    const at = this.kind === "none" ? null : this.picker.moving;
+    const { forest, client } = this.world;
+    const group = at ? forest.moving[at.group]?.forest : undefined;
+    const poses = at ? client.poses[at.group] : undefined;
+    if (!selected || !at || !group?.motion || !poses) {
       this.clear();
       return;
     }
     const { motion, instances } = group;
-    const { tree } = picked.at;
+    const { tree } = at;
     this.stand(instances.data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS));
-    this.prepare(picked.treeId, motion);
+    this.prepare(selected.treeId, motion);
     if (!this.drawing || !this.pose) return;
-    const { moved, jointMoved } = this.pose.take(poses, tree * motion.stride, this.page.exaggeration.value);
-    this.drawing.update({ moved, jointMoved, time_s: this.client.time_s, step_s });
+    const { moved, jointMoved } = this.pose.take(poses, tree * motion.stride, exaggeration.value);
+    this.drawing.update({ moved, jointMoved, time_s: client.time_s, step_s: played_s });
   }
 
   /** Places the drawing where the tree stands: x, y, z, texel, scale·cos(yaw), scale·sin(yaw), scale. */
@@ -99,7 +91,7 @@ export class TreeOverlays {
   private prepare(treeId: string, motion: TableMotion): void {
     const order = modesByFrequency(motion);
     const at = ((this.mode % order.length) + order.length) % order.length;
-    const error_m = this.kind === "error" ? this.page.error(motion.sha256) : null;
+    const error_m = this.kind === "error" ? (this.errors.get(motion.sha256) ?? null) : null;
     const key = [treeId, motion.sha256, this.kind, this.kind === "modes" && at, error_m !== null].join(" ");
     if (key === this.key) return;
     this.clear();
@@ -119,7 +111,7 @@ export class TreeOverlays {
   ): Promise<void> {
     const { kind, key } = this;
     if (kind === "wind") {
-      this.use(windDrawing(this.page.field, motion, this.frame), "");
+      this.use(windDrawing(this.world.field, motion, this.frame), "");
       return;
     }
     if (kind === "error") {
@@ -128,7 +120,7 @@ export class TreeOverlays {
         this.say("“Check accuracy” compares this tree with finite elements. Its error is shown afterwards.");
       return;
     }
-    const known = this.page.find(treeId);
+    const known = this.catalogue.find(treeId);
     if (!known) return;
     this.say("Loading …");
     const structure = await structureOf(known.tree);
@@ -143,7 +135,7 @@ export class TreeOverlays {
   private use(drawing: Drawing, note: string): void {
     this.drawing = drawing;
     // Arrows are placed in the world, the rest in the tree's frame.
-    (this.kind === "wind" ? this.stage.scene : this.frame).add(drawing.object);
+    (this.kind === "wind" ? this.world.stage.scene : this.frame).add(drawing.object);
     this.say(note);
   }
 
@@ -158,11 +150,6 @@ export class TreeOverlays {
     this.drawing?.dispose();
     this.drawing = null;
     if (this.note !== "") this.say("");
-  }
-
-  dispose(): void {
-    this.clear();
-    this.frame.removeFromParent();
   }
 }
 

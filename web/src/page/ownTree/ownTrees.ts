@@ -1,38 +1,21 @@
 /** The visitor's uploads in the forest: plants them, marks them while they are computed, leads their owner to them. */
-import type { Forest } from "../../scene/forest";
-import type { Stage } from "../../scene/stage";
 import { onlyExtrasLeft } from "../paper/paperState";
+import type { Views } from "../camera/views";
+import type { World } from "../forest/world";
 import { cancelJob, deleteTree, isActive, Problem, startPrecompute, type TreeChange } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
-import { type Planted, plantAs, plantedAs } from "../settings/planted";
-import type { Settings } from "../settings/settings";
+import { plantAs, plantedAs } from "../settings/planted";
+import { watch } from "../store/signals";
+import type { Store } from "../store/store";
+import { prefersCalm } from "../ui/dom";
 import type { ProgressTools } from "../ui/progress";
 import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
-import type { Visit } from "../visit";
-import { Attention } from "./attention";
 import type { OwnUploads } from "./ownUploads";
 import { TreeMark } from "./treeMark";
 
-export interface OwnTreesPage {
-  readonly settings: Settings;
-  readonly stage: Stage;
-  readonly forest: Forest;
-  readonly catalogue: Catalogue;
-  readonly visit: Visit;
-  /** Whether the forest is shared with others now, so that what is planted here is planted for all. */
-  isShared(): boolean;
-  /** The choice of planted trees changed: place the trees again, and remember it. */
-  replant(): void;
-  /** An upload has appeared in the forest. */
-  planted(id: string): void;
-}
-
-const isCalm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
-
 export class OwnTrees implements ProgressTools {
   private readonly marks = new Map<string, TreeMark>();
-  private readonly attention: Attention;
   /** Trees whose computation is being ended. */
   private readonly ending = new Set<string>();
   /** Jobs that the server was asked to end. */
@@ -40,11 +23,27 @@ export class OwnTrees implements ProgressTools {
 
   constructor(
     private readonly uploads: OwnUploads,
-    private readonly page: OwnTreesPage,
+    private readonly store: Store,
+    private readonly world: World,
+    private readonly catalogue: Catalogue,
+    private readonly views: Views,
   ) {
-    this.attention = new Attention(page.stage.renderer.domElement);
+    const { settings, state } = store;
     uploads.onAdded = (id) => this.added(id);
     uploads.onCancel = (id) => this.cancel(id);
+    catalogue.onChange((change) => this.changed(change));
+    watch(
+      () => [world.placements.value],
+      () => this.appeared(),
+    );
+    watch(
+      () => [settings.planted],
+      ([now], [before]) => {
+        if (state.share !== null) return;
+        for (const id of Object.keys({ ...before, ...now }))
+          if (now[id] !== before[id]) uploads.change(id, { planted: now[id] ?? null });
+      },
+    );
   }
 
   isOwn(id: string): boolean {
@@ -52,12 +51,15 @@ export class OwnTrees implements ProgressTools {
   }
 
   isPlanted(id: string): boolean {
-    return plantedAs(this.page.settings, id) !== null;
+    return plantedAs(this.store.settings, id) !== null;
   }
 
   private added(id: string): void {
-    if (!this.page.isShared()) {
-      this.plant(id, plantedAs(this.page.settings, id) ?? "one");
+    const { settings, state } = this.store;
+    if (state.share === null) {
+      const how = plantedAs(settings, id) ?? "one";
+      this.uploads.change(id, { planted: how });
+      plantAs(settings, id, how);
       return;
     }
     showToast(
@@ -67,39 +69,31 @@ export class OwnTrees implements ProgressTools {
     );
   }
 
-  /** Changes how an upload is planted; null removes it from the forest, but not from the server. */
-  plant(id: string, how: Planted | null): void {
-    plantAs(this.page.settings, id, how);
-    if (!this.page.isShared()) this.uploads.change(id, { planted: how });
-    this.page.replant();
-  }
-
   plantMore(id: string): void {
-    const before = plantedAs(this.page.settings, id);
-    this.plant(id, before === null ? "one" : "more");
+    const { settings } = this.store;
+    plantAs(settings, id, plantedAs(settings, id) === null ? "one" : "more");
   }
 
   /** A tree or its job changed on the server. */
-  changed(change: TreeChange): void {
+  private changed(change: TreeChange): void {
     const { tree, deleted } = change;
     this.uploads.tell(tree.id, change);
     if (this.ending.has(tree.id)) this.end(change);
-    if (deleted && (this.uploads.find(tree.id) || tree.id in this.page.settings.planted)) {
+    const { settings } = this.store;
+    if (deleted && (this.uploads.find(tree.id) || tree.id in settings.planted)) {
       this.uploads.forget(tree.id);
-      this.plant(tree.id, null);
+      plantAs(settings, tree.id, null);
     }
     this.mark(change);
   }
 
   /** The trees of a plan have appeared. */
-  appeared(): void {
-    for (const id of Object.keys(this.page.settings.planted)) {
-      const known = this.page.catalogue.find(id);
+  private appeared(): void {
+    for (const id of Object.keys(this.store.settings.planted)) {
+      const known = this.catalogue.find(id);
       if (known) this.mark({ tree: known.tree, job: known.job });
-      const tree = this.page.forest.last(id);
-      if (!tree) continue;
-      this.page.planted(id);
-      if (tree.moves && this.uploads.find(id)?.shown === false) this.lead(id);
+      const tree = this.world.forest.last(id);
+      if (tree?.moves && this.uploads.find(id)?.shown === false) this.lead(id);
     }
   }
 
@@ -107,28 +101,28 @@ export class OwnTrees implements ProgressTools {
   private lead(id: string): void {
     this.uploads.change(id, { shown: true });
     this.uploads.tell(id, null);
-    const known = this.page.catalogue.find(id);
-    if (!isCalm() && !this.attention.isBusy && !this.page.visit.isBusy) this.show(id);
+    const known = this.catalogue.find(id);
+    if (!prefersCalm() && !this.views.isBusy) this.show(id);
     else if (known)
       showToast(`${displayName(known.tree)} moves`, "Press “Show my tree” to go there.", "good");
   }
 
   /** Moves the camera to an upload. */
   show(id: string): void {
-    const tree = this.page.forest.last(id);
-    if (tree) this.page.visit.showTree({ ...tree.position, height_m: tree.height_m });
+    const tree = this.world.forest.last(id);
+    if (tree) this.views.showTree({ ...tree.position, height_m: tree.height_m });
   }
 
   private mark({ tree, job, deleted }: TreeChange): void {
     const { id } = tree;
-    const planted = this.page.forest.last(id);
+    const planted = this.world.forest.last(id);
     const tableMissing: boolean = !deleted && !onlyExtrasLeft(job);
     if (!planted || planted.moves || !tableMissing || !isActive(job) || !this.isPlanted(id)) {
       this.marks.get(id)?.dispose();
       this.marks.delete(id);
       return;
     }
-    const mark = this.marks.get(id) ?? new TreeMark(this.page.stage);
+    const mark = this.marks.get(id) ?? new TreeMark(this.world.stage);
     this.marks.set(id, mark);
     const percent = Math.round(100 * job.fraction);
     mark.show(
@@ -146,7 +140,7 @@ export class OwnTrees implements ProgressTools {
   /** Ends the computation. A tree that does not move yet is removed, another one keeps its motion. */
   cancel(id: string): void {
     this.ending.add(id);
-    const known = this.page.catalogue.find(id);
+    const known = this.catalogue.find(id);
     if (known && isActive(known.job)) this.end(known); // otherwise once the server has announced the job
   }
 
@@ -174,12 +168,5 @@ export class OwnTrees implements ProgressTools {
       if (!(error instanceof Problem)) throw error;
       showToast(error.title, error.hint);
     });
-  }
-
-  dispose(): void {
-    this.uploads.onAdded = null;
-    this.uploads.onCancel = null;
-    for (const mark of this.marks.values()) mark.dispose();
-    this.attention.dispose();
   }
 }

@@ -1,7 +1,7 @@
 /** Gust fronts that this visitor sends by clicking the ground, and the bands that show all of them. */
 import { FrontBands } from "../../scene/overlays/frontBands";
-import type { Stage } from "../../scene/stage";
-import type { ForestClient } from "../forestClient";
+import type { World } from "../forest/world";
+import type { TreePicker } from "../treePicker";
 
 /** The server accepts about as many. */
 const EVERY_MS = 1500;
@@ -11,26 +11,23 @@ export class Gusts {
   private sent_ms = Number.NEGATIVE_INFINITY;
 
   constructor(
-    stage: Stage,
-    private readonly client: ForestClient,
+    private readonly world: World,
+    picker: TreePicker,
   ) {
-    stage.scene.add(this.bands.group);
+    world.stage.scene.add(this.bands.group);
+    picker.onGround = (x_m, z_m) => this.send(x_m, z_m);
   }
 
   /** Sends a front from a place; too many in a row are ignored. */
-  send(x_m: number, z_m: number): void {
+  private send(x_m: number, z_m: number): void {
     const now_ms = performance.now();
     if (now_ms - this.sent_ms < EVERY_MS) return;
     this.sent_ms = now_ms;
-    this.client.gust(x_m, z_m);
+    this.world.client.gust(x_m, z_m);
   }
 
-  /** Per frame. */
   advance(): void {
-    this.bands.show(this.client.wind?.state.fronts ?? [], this.client.time_s);
-  }
-
-  dispose(): void {
-    this.bands.dispose();
+    const { wind, time_s } = this.world.client;
+    this.bands.show(wind?.state.fronts ?? [], time_s);
   }
 }

@@ -37,9 +37,4 @@ export class PullTag {
   announce(words: string): void {
     this.status.textContent = words;
   }
-
-  dispose(): void {
-    this.tag.remove();
-    this.status.remove();
-  }
 }

@@ -4,8 +4,8 @@ import type { PulledTree, PullOrder, TreeAt } from "galewood/client";
 import { INSTANCE_FLOATS } from "galewood/trees";
 import { Vector3 } from "three";
 import { exaggeration } from "../../scene/exaggeration";
-import type { Forest, MovingGroup } from "../../scene/forest";
-import type { ForestClient } from "../forestClient";
+import type { MovingGroup } from "../../scene/forest";
+import type { World } from "../forest/world";
 import { displacementOf, type GrabbedTree, restOf, toTree, toWorld, type Vector } from "./grabPoint";
 
 /** A point of a tree, whatever its index in the placement. */
@@ -23,27 +23,26 @@ export class HeldTree {
   private at: TreeAt | null = null;
 
   constructor(
-    private readonly forest: Forest,
-    private readonly client: ForestClient,
+    private readonly world: World,
     readonly grip: Grip,
   ) {}
 
   /** Where the tree is now; null if it does not move or is gone. */
   get place(): TreeAt | null {
-    if (this.shown !== this.forest.moving) {
-      this.shown = this.forest.moving;
+    if (this.shown !== this.world.forest.moving) {
+      this.shown = this.world.forest.moving;
       this.at = treeAt(this.shown, this.grip);
     }
     return this.at;
   }
 
   private get tree(): GrabbedTree | null {
-    return this.place && grabbedTree(this.forest, this.client, this.place);
+    return this.place && grabbedTree(this.world, this.place);
   }
 
   /** What is shown of this page's pull. */
   private get pull(): PulledTree | null {
-    return this.client.pulled.find(({ hand, held }) => held && hand === HAND) ?? null;
+    return this.world.client.pulled.find(({ hand, held }) => held && hand === HAND) ?? null;
   }
 
   /** The held point in the world; null if the tree is gone. */
@@ -51,7 +50,7 @@ export class HeldTree {
     const { tree, pull } = this;
     if (!tree) return null;
     const { vertex } = this.grip;
-    const field = pull && this.client.pullFields.get(pull.table, vertex);
+    const field = pull && this.world.client.pullFields.get(pull.table, vertex);
     const { all } = displacementOf(this.drawn(tree), vertex, pull && { field, force_N: pull.force_N });
     const rest = restOf(tree.parts, vertex);
     const own: Vector = [rest[0] + all[0], rest[1] + all[1], rest[2] + all[2]];
@@ -84,11 +83,11 @@ export class HeldTree {
       vertex: this.grip.vertex,
       target_m: [x, y, z],
     };
-    this.client.pull(order);
+    this.world.client.pull(order);
   }
 
   release(): void {
-    this.client.release(HAND);
+    this.world.client.release(HAND);
   }
 }
 
@@ -100,7 +99,7 @@ export function treeAt(moving: readonly MovingGroup[], { treeId, id }: Omit<Grip
 }
 
 /** A tree with its mesh in its newest pose; null while it does not move. */
-export function grabbedTree(forest: Forest, client: ForestClient, at: TreeAt): GrabbedTree | null {
+export function grabbedTree({ forest, client }: World, at: TreeAt): GrabbedTree | null {
   const species = forest.moving[at.group]?.forest;
   if (!species?.motion) return null;
   const { model, motion, instances } = species;

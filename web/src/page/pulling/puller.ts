@@ -5,11 +5,12 @@
  */
 
 import { tipNode } from "galewood/motion";
-import { Plane, Raycaster, Vector2, Vector3 } from "three";
-import type { Forest, PickedTree } from "../../scene/forest";
+import type { Ray } from "galewood/trees";
+import { Plane, Raycaster, Vector3 } from "three";
+import type { PickedTree } from "../../scene/forest";
 import { PullHandle } from "../../scene/overlays/pullHandle";
-import type { Stage } from "../../scene/stage";
-import type { ForestClient } from "../forestClient";
+import type { World } from "../forest/world";
+import type { Store } from "../store/store";
 import type { TreePicker } from "../treePicker";
 import { grabbedVertex, vertexAt } from "./grabPoint";
 import { grabbedTree, HeldTree, treeAt } from "./pulledTree";
@@ -34,7 +35,7 @@ const KEYS: Readonly<Record<string, readonly [number, number, number]>> = {
   PageUp: [0, 0, -1],
   PageDown: [0, 0, 1],
 };
-const HELP = "Arrow keys pull, Page Up and Page Down push away and draw near, Enter lets go.";
+const HELP = "Arrow keys move the point, Page Up and Page Down push and pull it, Enter releases it.";
 
 interface Press {
   readonly pointer: number;
@@ -63,21 +64,17 @@ export class Puller {
   private readonly caster = new Raycaster();
   private readonly plane = new Plane();
   private readonly canvas: HTMLCanvasElement;
-  private readonly listeners = new AbortController();
 
-  /** `playing`: whether the forest moves; a forest that stands still cannot be pulled. */
   constructor(
-    private readonly stage: Stage,
-    private readonly forest: Forest,
-    private readonly client: ForestClient,
+    private readonly store: Store,
+    private readonly world: World,
     private readonly picker: TreePicker,
-    private readonly playing: () => boolean,
   ) {
-    this.canvas = stage.renderer.domElement;
+    this.canvas = world.canvas;
     this.tag = new PullTag(this.canvas);
-    stage.scene.add(this.handle.group);
+    world.stage.scene.add(this.handle.group);
     // before the camera's controls and the picker hear of it
-    const options = { capture: true, signal: this.listeners.signal };
+    const options = { capture: true };
     this.canvas.addEventListener("pointerdown", (event) => this.pressed(event), options);
     this.canvas.addEventListener("pointermove", (event) => this.moved(event), options);
     this.canvas.addEventListener("pointerup", (event) => this.lifted(event), options);
@@ -102,8 +99,10 @@ export class Puller {
     };
   }
 
+  /** A forest that stands still cannot be pulled. */
   private get enabled(): boolean {
-    return this.picker.enabled() && this.playing();
+    const { state, playback } = this.store;
+    return !state.placing && !state.stopped && !playback.paused;
   }
 
   // ---- mouse and finger ---------------------------------------------------------------------------
@@ -112,14 +111,14 @@ export class Puller {
     if (this.pull) this.release();
     const plain = !(event.ctrlKey || event.shiftKey || event.metaKey || event.altKey);
     if (!this.enabled || !event.isPrimary || event.button !== 0 || !plain) return;
-    const picked = this.picker.find(event.clientX, event.clientY);
+    const picked = this.world.pick(event.clientX, event.clientY);
     if (!picked || !this.isNear(picked)) return;
     const tree = this.grab(picked, event.clientX, event.clientY);
     if (!tree) return;
     const waits = event.pointerType === "touch" && !this.isSelected(picked);
     const timer = waits ? setTimeout(() => this.begin(), LONG_PRESS_MS) : null;
     this.press = { pointer: event.pointerId, x: event.clientX, y: event.clientY, tree, timer };
-    if (!waits) this.stage.controls.enabled = false;
+    if (!waits) this.world.stage.controls.enabled = false;
   }
 
   private moved(event: PointerEvent): void {
@@ -145,7 +144,7 @@ export class Puller {
     const { press } = this;
     const point = press?.tree.point;
     if (!press || !point) return;
-    this.stage.controls.enabled = false;
+    this.world.stage.controls.enabled = false;
     this.canvas.setPointerCapture(press.pointer);
     this.canvas.style.cursor = "grabbing";
     this.start(press.tree, "pointer", point);
@@ -167,7 +166,7 @@ export class Puller {
     const { press } = this;
     if (press?.timer) clearTimeout(press.timer);
     this.press = null;
-    this.stage.controls.enabled = true;
+    this.world.stage.controls.enabled = true;
     this.canvas.style.cursor = "";
     if (this.pull?.by === "pointer") this.release();
   }
@@ -178,7 +177,7 @@ export class Puller {
     if (event.pointerType !== "mouse" || event.buttons !== 0 || now_ms - this.hovered_ms < HOVER_EVERY_MS)
       return;
     this.hovered_ms = now_ms;
-    const picked = this.enabled ? this.picker.find(event.clientX, event.clientY) : null;
+    const picked = this.enabled ? this.world.pick(event.clientX, event.clientY) : null;
     const near = picked && this.isNear(picked);
     this.canvas.style.cursor = near && this.grab(picked, event.clientX, event.clientY) ? "grab" : "";
   }
@@ -193,16 +192,15 @@ export class Puller {
   }
 
   private grab(picked: PickedTree, left_px: number, top_px: number): HeldTree | null {
-    const at = treeAt(this.forest.moving, picked);
-    const tree = at && grabbedTree(this.forest, this.client, at);
+    const at = treeAt(this.world.forest.moving, picked);
+    const tree = at && grabbedTree(this.world, at);
     if (!tree) return null;
-    this.aim(left_px, top_px);
-    const ray = { from: this.caster.ray.origin, to: this.caster.ray.direction };
-    const { fov } = this.stage.camera;
+    const ray = this.aim(left_px, top_px);
+    const { fov } = this.world.stage.camera;
     const slope = (BESIDE_PX * 2 * Math.tan((fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
     const vertex = grabbedVertex(tree, ray, slope);
     const { treeId, id } = picked;
-    return vertex === null ? null : new HeldTree(this.forest, this.client, { treeId, id, vertex });
+    return vertex === null ? null : new HeldTree(this.world, { treeId, id, vertex });
   }
 
   // ---- keyboard -----------------------------------------------------------------------------------
@@ -221,7 +219,7 @@ export class Puller {
     if (way) this.moveByKey(way, event.shiftKey ? 3 : 1);
     else if (["Enter", "Escape", "p", "P"].includes(event.key)) {
       this.release();
-      this.tag.announce("Let go. The tree swings.");
+      this.tag.announce("Released. The tree swings.");
     } else return;
     event.preventDefault();
     event.stopImmediatePropagation();
@@ -230,14 +228,14 @@ export class Puller {
   /** Takes hold of the tip of the selected tree. */
   private takeHold(): void {
     const { selected } = this.picker;
-    const at = selected && treeAt(this.forest.moving, selected);
-    const tree = at && grabbedTree(this.forest, this.client, at);
+    const at = selected && treeAt(this.world.forest.moving, selected);
+    const tree = at && grabbedTree(this.world, at);
     if (!selected || !tree) this.tag.announce("Select a tree first, then press P to pull it.");
     else if (!this.enabled) this.tag.announce("The forest is paused. Resume it to pull a tree.");
     else {
       const vertex = vertexAt(tree.motion, tipNode(tree.motion));
       const { treeId, id } = selected;
-      const held = new HeldTree(this.forest, this.client, { treeId, id, vertex });
+      const held = new HeldTree(this.world, { treeId, id, vertex });
       const { point } = held;
       if (!point) return;
       this.start(held, "keys", point);
@@ -246,9 +244,9 @@ export class Puller {
   }
 
   private moveByKey([right, up, back]: readonly [number, number, number], times: number): void {
-    const { pull, stage } = this;
+    const { pull } = this;
     if (!pull) return;
-    const { camera } = stage;
+    const { camera } = this.world.stage;
     const step = new Vector3(right, up, back).applyQuaternion(camera.quaternion);
     pull.hand.addScaledVector(step, times * KEY_SHARE * pull.hand.distanceTo(camera.position));
   }
@@ -277,7 +275,7 @@ export class Puller {
       return;
     }
     pull.tree.pullTo(pull.hand);
-    this.handle.show(point, pull.hand, this.stage.camera.position);
+    this.handle.show(point, pull.hand, this.world.stage.camera.position);
     const { x, y } = this.project(pull.hand);
     const box = this.canvas.getBoundingClientRect();
     const words = pullInWords(point.distanceTo(pull.start), pull.tree.force_N);
@@ -285,31 +283,20 @@ export class Puller {
   }
 
   private get viewing(): Vector3 {
-    return this.stage.camera.getWorldDirection(new Vector3());
+    return this.world.stage.camera.getWorldDirection(new Vector3());
   }
 
-  private aim(left_px: number, top_px: number): void {
-    const box = this.canvas.getBoundingClientRect();
-    const x = (2 * (left_px - box.left)) / box.width - 1;
-    const y = 1 - (2 * (top_px - box.top)) / box.height;
-    this.caster.setFromCamera(new Vector2(x, y), this.stage.camera);
+  private aim(left_px: number, top_px: number): Ray {
+    return this.world.aim(left_px, top_px, this.caster);
   }
 
   /** A place in the world, in the window, px. */
   private project(place: Vector3): { x: number; y: number } {
     const box = this.canvas.getBoundingClientRect();
-    const seen = place.clone().project(this.stage.camera);
+    const seen = place.clone().project(this.world.stage.camera);
     return {
       x: box.left + (0.5 + 0.5 * seen.x) * box.width,
       y: box.top + (0.5 - 0.5 * seen.y) * box.height,
     };
-  }
-
-  dispose(): void {
-    this.listeners.abort();
-    this.end();
-    this.release();
-    this.handle.dispose();
-    this.tag.dispose();
   }
 }

@@ -1,26 +1,18 @@
 /** The trees of the server, with meshes and tables as they are loaded. */
 
+import { signal } from "@preact/signals-core";
 import type { TableMotion } from "galewood/client";
 import type { TreeModel } from "galewood/trees";
 import type { TreeAsset } from "../../scene/forest";
 import { type Form, kindsOf } from "../../scene/forms";
 import { readTreeModel } from "../../scene/treeModel/treeVariants";
+import { plantedAs } from "../settings/planted";
+import { watch } from "../store/signals";
+import type { Store } from "../store/store";
+import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
 import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api";
 import { type EventStream, followEvents } from "./eventStream";
-
-export interface CatalogueEvents {
-  /** Whether an upload is planted in this visitor's forest; others are listed but not loaded. */
-  isPlanted(id: string): boolean;
-  /** A tree or its job changed. */
-  change(change: TreeChange): void;
-  /** The assets of the forest changed: place the trees again. */
-  assetsChanged(): void;
-  /** The server has new records of the paper's method. */
-  recordsChanged(): void;
-  connected(connected: boolean): void;
-  problem(title: string, hint: string): void;
-}
 
 /** A tree of the forest, its last job, and the table that moves it once that is loaded. */
 export interface KnownTree {
@@ -69,25 +61,48 @@ function fits(motion: TableMotion | null, model: TreeModel | null): boolean {
 const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, motion: asset.motion });
 
 export class Catalogue {
+  /** Number of changes of the forest's assets, after each of which the trees are placed again. */
+  readonly assetChanges = signal(0);
+  /** Number of times that the server had new records of the paper's method. */
+  readonly recordChanges = signal(0);
   /** Settled when no mesh is being read. */
   private reading: Promise<unknown> = Promise.resolve();
-  private bareWanted = false;
+  /** Whether trees move by their tables without leaves; those that have none keep the other. */
+  private bareWanted: boolean;
   private opened = false;
   private readonly entries = new Map<string, Entry>();
+  private readonly listeners: ((change: TreeChange) => void)[] = [];
   private readonly stream: EventStream;
 
   constructor(
+    private readonly store: Store,
     private readonly loadTable: (sha256: string) => Promise<TableMotion>,
-    private readonly events: CatalogueEvents,
   ) {
+    const { settings, state } = store;
+    this.bareWanted = this.wantsBare;
+    watch(
+      () => [this.wantsBare],
+      ([bare]) => this.chooseFoliage(bare),
+    );
+    watch(
+      () => [settings.planted, state.inventory],
+      () => this.takePlanted(),
+    );
     this.stream = followEvents({
       change: (change) => this.receive(change),
       open: () => {
         this.opened = true;
-        events.connected(true);
+        state.connected = true;
       },
-      lost: () => events.connected(false),
+      lost: () => {
+        state.connected = false;
+      },
     });
+  }
+
+  /** Calls `listener` when a tree or its job has changed on the server. */
+  onChange(listener: (change: TreeChange) => void): void {
+    this.listeners.push(listener);
   }
 
   /** The built-in trees and the planted uploads. */
@@ -95,8 +110,16 @@ export class Catalogue {
     return [...this.entries.values()].filter((entry) => this.isGrown(entry));
   }
 
+  /** Other uploads are listed but not loaded. */
   private isGrown({ tree }: Entry): boolean {
-    return tree.builtin || this.events.isPlanted(tree.id);
+    return tree.builtin || plantedAs(this.store.settings, tree.id) !== null || this.isInInventory(tree);
+  }
+
+  /** Whether a tree has the name of a species in the inventory. */
+  private isInInventory(tree: Tree): boolean {
+    const { inventory } = this.store.state;
+    if (inventory === null || inventory === "loading") return false;
+    return [tree.id, displayName(tree)].some((name) => inventory.names.has(name.toLowerCase()));
   }
 
   get assets(): TreeAsset[] {
@@ -155,19 +178,23 @@ export class Catalogue {
     return entry && fits(entry.leaf.motion, entry.asset.model) ? entry.leaf.motion : null;
   }
 
-  /** Whether trees move by their tables without leaves; those that have none keep the other. */
-  set bare(bare: boolean) {
-    if (bare === this.bareWanted) return;
+  /** The server moves a shared forest by the tables in leaf, because its clients may look at it in any season. */
+  private get wantsBare(): boolean {
+    const { settings, state } = this.store;
+    return settings.season === "winter" && (state.share === null || settings.lookup === "worker");
+  }
+
+  private chooseFoliage(bare: boolean): void {
     this.bareWanted = bare;
     const entries = this.grown;
     for (const entry of entries) {
       void this.takeBareTable(entry).catch((error: unknown) => this.report(error));
     }
-    if (entries.filter((entry) => this.chooseMotion(entry)).length > 0) this.events.assetsChanged();
+    if (entries.filter((entry) => this.chooseMotion(entry)).length > 0) this.assetChanges.value++;
   }
 
-  /** The choice of planted uploads has changed: loads those that were not planted before. */
-  choose(): void {
+  /** Loads the uploads that were not planted before. */
+  private takePlanted(): void {
     for (const entry of this.grown) {
       this.chooseMotion(entry);
       void this.follow(entry).catch((error: unknown) => this.failed(entry, error));
@@ -189,11 +216,11 @@ export class Catalogue {
     // Uploads join once they are submitted; one without a table leaves when its computation is cancelled.
     if (change.deleted || tree.state === "failed" || tree.state === "uploaded") this.remove(tree.id);
     else this.keep(change);
-    this.events.change(change);
+    for (const tell of this.listeners) tell(change);
   }
 
   private remove(id: string): void {
-    if (this.entries.delete(id)) this.events.assetsChanged();
+    if (this.entries.delete(id)) this.assetChanges.value++;
   }
 
   private keep({ tree, job }: TreeChange): void {
@@ -209,9 +236,9 @@ export class Catalogue {
     entry.tree = tree;
     entry.job = job;
     if (!this.isGrown(entry)) return;
-    if (recorded) this.events.recordsChanged();
+    if (recorded) this.recordChanges.value++;
     // The other form of its species may stand in for a tree without a table.
-    if (hadTable && !asset.hasTable) this.events.assetsChanged();
+    if (hadTable && !asset.hasTable) this.assetChanges.value++;
     void this.follow(entry).catch((error: unknown) => this.failed(entry, error));
   }
 
@@ -250,7 +277,7 @@ export class Catalogue {
     const table = tree.bare_table_sha256 ?? null;
     if (bare.sha256 !== null && bare.sha256 !== table) {
       Object.assign(bare, emptySlot());
-      if (this.chooseMotion(entry)) this.events.assetsChanged();
+      if (this.chooseMotion(entry)) this.assetChanges.value++;
     }
     if (table && this.bareWanted) await this.fill(entry, bare, table);
   }
@@ -276,7 +303,7 @@ export class Catalogue {
     if (!asset.model || !this.entries.has(entry.tree.id)) return;
     this.chooseMotion(entry);
     // A tree whose table is about to arrive is placed together with it.
-    if (asset.motion || !leaf.sha256 || leaf.motion) this.events.assetsChanged();
+    if (asset.motion || !leaf.sha256 || leaf.motion) this.assetChanges.value++;
   }
 
   /** The table that moves a tree in this season; returns whether it is another one than before. */
@@ -293,24 +320,16 @@ export class Catalogue {
     this.report(error);
     if (asset.model && leaf.motion) return;
     asset.hasTable = false;
-    this.events.assetsChanged();
+    this.assetChanges.value++;
   }
 
   private report(error: unknown): void {
-    if (error instanceof Problem) this.events.problem(error.title, error.hint);
-    else
-      this.events.problem(
-        "A tree could not be displayed.",
-        error instanceof Error ? error.message : String(error),
-      );
+    if (error instanceof Problem) showToast(error.title, error.hint);
+    else showToast("A tree could not be displayed.", error instanceof Error ? error.message : String(error));
   }
 
   /** Connects to the server at once if the connection is lost. */
   retry(): void {
     this.stream.retry();
-  }
-
-  dispose(): void {
-    this.stream.close();
   }
 }

@@ -16,7 +16,7 @@ export interface Settings {
   /** Density of the trees relative to the default. */
   density: number;
   /** Relative frequency of each species by id; 1 if omitted. */
-  shares: Record<string, number>;
+  shares: Readonly<Record<string, number>>;
   /** Uploaded trees of this forest, and how they are planted. */
   planted: PlantedTrees;
   /** Form of the built-in species: the one that suits each place, or the same everywhere. */

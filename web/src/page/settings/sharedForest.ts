@@ -4,7 +4,7 @@ import type { About } from "galewood/client";
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
 
 /** The settings that determine the placement. */
-const PLACEMENT_KEYS = [
+export const PLACEMENT_KEYS = [
   "trees",
   "density",
   "shares",
@@ -39,11 +39,10 @@ export function placementOf(settings: Settings): About {
   return query.length <= 200 ? { planting: query } : {};
 }
 
-/** Adopts the placement of another client; returns whether it differs. */
-export function adoptPlacement(settings: Settings, about: About): boolean {
-  if (typeof about.planting !== "string") return false;
-  const given = settingsFromQuery(about.planting);
-  const before = JSON.stringify(PLACEMENT_KEYS.map((key) => settings[key]));
-  for (const key of PLACEMENT_KEYS) Object.assign(settings, { [key]: given[key] });
-  return JSON.stringify(PLACEMENT_KEYS.map((key) => settings[key])) !== before;
+/** What differs in the placement of another client; empty if nothing does, or if it says nothing. */
+export function foreignPlacement(settings: Settings, { planting }: About): Partial<Settings> {
+  if (typeof planting !== "string") return {};
+  const given = settingsFromQuery(planting);
+  const keys = PLACEMENT_KEYS.filter((key) => JSON.stringify(given[key]) !== JSON.stringify(settings[key]));
+  return Object.fromEntries(keys.map((key) => [key, given[key]]));
 }

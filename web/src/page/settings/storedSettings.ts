@@ -1,16 +1,22 @@
-/** Settings in the browser's storage, stored as a query. Unreadable values keep their default. */
+/**
+ * Settings in the address, and in the browser's storage for the next visit, where they are stored as a query. Unreadable
+ * values keep their default.
+ */
+import { watch } from "../store/signals";
+import type { Store } from "../store/store";
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
+import { withShared } from "./sharedForest";
 import { windFromQuery } from "./windQuery";
 
 const KEY = "galewood.settings";
 const VERSION = 1;
 
-type Store = Pick<Storage, "getItem" | "setItem">;
+type Shelf = Pick<Storage, "getItem" | "setItem">;
 
 /** The defaults with the stored settings applied; unreadable storage is ignored. */
-export function remembered(defaults: Settings, store: () => Store): Settings {
+export function remembered(defaults: Settings, shelf: () => Shelf): Settings {
   try {
-    const kept: unknown = JSON.parse(store().getItem(KEY) ?? "null");
+    const kept: unknown = JSON.parse(shelf().getItem(KEY) ?? "null");
     if (typeof kept !== "object" || kept === null) return defaults;
     const { version, query } = kept as Record<string, unknown>;
     if (version !== VERSION || typeof query !== "string") return defaults;
@@ -21,12 +27,25 @@ export function remembered(defaults: Settings, store: () => Store): Settings {
   }
 }
 
-export function keep(settings: Settings, defaults: Settings, store: () => Store): void {
+export function keep(settings: Settings, defaults: Settings, shelf: () => Shelf): void {
   try {
     // an inventory belongs to its address
     const query = queryFromSettings({ ...settings, inventory: defaults.inventory }, defaults);
-    store().setItem(KEY, JSON.stringify({ version: VERSION, query }));
+    shelf().setItem(KEY, JSON.stringify({ version: VERSION, query }));
   } catch {
     // Storage is full or blocked: continue without it.
   }
+}
+
+/** Keeps address and storage up to date from now on. */
+export function rememberSettings(store: Store): void {
+  const { settings, defaults, state } = store;
+  const remember = () => {
+    // The placement of a shared forest is not that of this visitor.
+    if (settings.panel && state.share === null) keep(settings, defaults, () => localStorage);
+    const query = withShared(queryFromSettings(settings), state.share);
+    history.replaceState(null, "", query ? `?${query}` : location.pathname);
+  };
+  store.onChange(remember);
+  watch(() => [state.share], remember);
 }

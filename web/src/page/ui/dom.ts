@@ -16,3 +16,19 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   if (className) made.className = className;
   return made;
 }
+
+/** Creates a button. */
+export function makeButton(words: string, pressed: () => void, className = ""): HTMLButtonElement {
+  const made = make("button", words, className);
+  made.type = "button";
+  made.addEventListener("click", pressed);
+  return made;
+}
+
+/** Replaces a text only if it differs: screen readers announce every replacement. */
+export function write(place: HTMLElement, words: string): void {
+  if (place.textContent !== words) place.textContent = words;
+}
+
+/** Whether the visitor's system asks for little motion. */
+export const prefersCalm = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -1,255 +1,274 @@
 /** The settings panel. */
 
+import { effect } from "@preact/signals-core";
 import { type PlainWind, withinTurn, withPlain } from "galewood/wind";
-import { type BladeApi, type FolderApi, Pane } from "tweakpane";
+import { type BindingParams, type BladeApi, type FolderApi, Pane } from "tweakpane";
 import type { Statistics } from "../frameStatistics";
-import { type Playback, SPEEDS } from "../playback";
-import { type Planted, plantedAs } from "../settings/planted";
+import type { PaperMethod } from "../paper/paperMethod";
+import type { Catalogue } from "../server/catalogue";
+import { type Planted, plantAs, plantedAs } from "../settings/planted";
 import { LIMITS, type Settings } from "../settings/settings";
 import { WIND_LIMITS } from "../settings/windQuery";
+import { PLAYBACK_SPEEDS } from "../store/playback";
+import type { Store } from "../store/store";
 import { labelInputs } from "./accessible";
 import { element, make } from "./dom";
 import { bearingFrom_deg, directionFrom_deg } from "./instruments/beaufort";
-import { UploadList } from "./uploadList";
-
-export type SettingKey = keyof Settings;
 
 const whole = (value: number) => Math.round(value).toLocaleString("en");
 const fine = (value: number) => value.toFixed(1);
+const hundredths = (value: number) => value.toFixed(2);
+
+const PLANTED_CHOICES = {
+  "Not planted": "none",
+  "One in the clearing": "one",
+  "Among the others": "more",
+  "Only this": "only",
+};
 
 export class Panel {
-  private readonly pane: Pane;
+  private readonly pane = new Pane({ container: element("panel") });
   private readonly species: FolderApi;
-  readonly uploads: UploadList;
-  private readonly changed: (key: SettingKey) => void;
+  private readonly uploads: FolderApi;
+  /** What the folders of species and uploads list. */
+  private readonly listed = new Map<FolderApi, string>();
   /** What keeps trees from using the chosen method. */
   private readonly methodNote = make("p", "", "method-note");
-  private shownSpecies = "";
-  /** True during refresh(): Tweakpane reports a refresh as a change, with values clamped to the slider limits. */
-  private refreshing = false;
-  private showEasing = () => {};
 
   constructor(
-    private readonly settings: Settings,
-    private readonly statistics: Statistics,
-    playback: Playback,
-    sound: { volume: number },
-    onChange: (key: SettingKey) => void,
-    plant: (id: string, how: Planted | null) => void,
+    private readonly store: Store,
+    private readonly catalogue: Catalogue,
+    private readonly paper: PaperMethod,
+    statistics: Statistics,
   ) {
-    this.changed = (key) => {
-      if (!this.refreshing) onChange(key);
-    };
-    this.pane = new Pane({ container: element("panel") });
-    this.wind(this.pane.addFolder({ title: "Wind" }));
-    this.forest(this.pane.addFolder({ title: "Forest" }));
-    this.species = this.pane.addFolder({ title: "Species mix", expanded: false });
-    this.uploads = new UploadList(
-      this.pane.addFolder({ title: "Uploaded trees", expanded: false }),
-      (id) => plantedAs(settings, id),
-      plant,
-      () => labelInputs(element("panel")),
-    );
-    const motion = this.pane.addFolder({ title: "Motion" });
-    motion.addBinding(playback, "speed", { label: "Speed", options: SPEEDS });
-    this.number(motion, "exaggeration", "Exaggeration", (value) => `×${value.toFixed(1)}`, false);
-    motion.addButton({ title: "Pause, and one step on" }).on("click", () => playback.step());
-    this.lookup(motion);
-    const loud = this.pane.addFolder({ title: "Sound", expanded: false });
-    loud.addBinding(sound, "volume", { label: "Volume", min: 0, max: 1, step: 0.05 });
-    this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
+    const { pane } = this;
+    this.wind(pane.addFolder({ title: "Wind" }));
+    this.forest(pane.addFolder({ title: "Forest" }));
+    this.species = pane.addFolder({ title: "Species mix", expanded: false });
+    this.uploads = pane.addFolder({ title: "Uploaded trees", expanded: false });
+    this.motion(pane.addFolder({ title: "Motion" }));
+    const loud = pane.addFolder({ title: "Sound", expanded: false });
+    loud.addBinding(store.state, "volume", { label: "Volume", min: 0, max: 1, step: 0.05 });
+    figures(pane.addFolder({ title: "Statistics", expanded: false }), statistics);
     labelInputs(element("panel"));
-  }
-
-  /** `released`: the change counts only once the slider is released. */
-  private number(
-    folder: FolderApi,
-    key: keyof typeof LIMITS,
-    label: string,
-    format = whole,
-    released = true,
-  ): void {
-    folder
-      .addBinding(this.settings as Settings & { poseEasing: number }, key, { label, format, ...LIMITS[key] })
-      .on("change", ({ last }) => {
-        if (last || !released) this.changed(key); // trees are placed again only when the slider is released
-      });
-  }
-
-  /** A number of the wind document; changes apply immediately. */
-  private windNumber(
-    folder: FolderApi,
-    key: keyof PlainWind,
-    label: string,
-    format = whole,
-    { shown, meant } = { shown: (value: number) => value, meant: (value: number) => value },
-  ): void {
-    const { settings } = this;
-    const choose = (value: number) => {
-      if (!this.refreshing) settings.wind = withPlain(settings.wind, { [key]: value });
-    };
-    const bound = {
-      get value() {
-        return shown(withinTurn(settings.wind)[key]);
-      },
-      set value(value) {
-        choose(meant(value));
-      },
-    };
-    folder
-      .addBinding(bound, "value", { label, format, ...WIND_LIMITS[key] })
-      .on("change", () => this.changed("wind"));
   }
 
   private wind(folder: FolderApi): void {
-    this.windNumber(folder, "mean_speed_m_s", "Mean speed (m/s)", fine);
-    this.windNumber(folder, "direction_deg", "From (90° = east)", whole, {
-      shown: bearingFrom_deg,
-      meant: directionFrom_deg,
-    });
-    this.windNumber(folder, "gustiness", "Gustiness", (value) => value.toFixed(2));
-    this.windNumber(folder, "seed", "Gust seed");
-    this.choice(folder, "flutter", "Leaf flutter");
+    this.windNumber(folder, "mean_speed_m_s", { label: "Mean speed (m/s)", format: fine });
+    const { settings } = this.store;
+    bind(
+      folder,
+      { label: "From (90° = east)", format: whole, ...WIND_LIMITS.direction_deg },
+      () => bearingFrom_deg(withinTurn(settings.wind).direction_deg),
+      (bearing) => {
+        settings.wind = withPlain(settings.wind, { direction_deg: directionFrom_deg(bearing) });
+      },
+    );
+    this.windNumber(folder, "gustiness", { label: "Gustiness", format: hundredths });
+    this.windNumber(folder, "seed", { label: "Gust seed", format: whole });
+    this.choice(folder, "flutter", { label: "Leaf flutter" });
+  }
+
+  /** A number of the wind document; changes apply immediately. */
+  private windNumber(folder: FolderApi, key: keyof PlainWind, params: BindingParams): void {
+    const { settings } = this.store;
+    bind(
+      folder,
+      { ...params, ...WIND_LIMITS[key] },
+      () => withinTurn(settings.wind)[key],
+      (value) => {
+        settings.wind = withPlain(settings.wind, { [key]: value });
+      },
+    );
+  }
+
+  /** Trees are placed again only when the slider is released. */
+  private placement(folder: FolderApi, key: "trees" | "density" | "forestSeed", params: BindingParams): void {
+    const { settings } = this.store;
+    bind(
+      folder,
+      { ...params, ...LIMITS[key] },
+      () => settings[key],
+      (value, released) => {
+        if (released) settings[key] = value;
+      },
+    );
+  }
+
+  private choice<K extends keyof Settings>(folder: FolderApi, key: K, params: BindingParams): BladeApi {
+    const { settings } = this.store;
+    return bind(
+      folder,
+      params,
+      () => settings[key],
+      (value) => {
+        settings[key] = value;
+      },
+    );
   }
 
   private forest(folder: FolderApi): void {
-    this.number(folder, "trees", "Number of trees");
-    this.number(folder, "density", "Density", (value) => value.toFixed(2));
-    this.number(folder, "forestSeed", "Placement seed");
-    this.choice(folder, "form", "Tree form", {
-      "By place": "place",
-      "Open-grown": "open",
-      "Forest-grown": "forest",
+    this.placement(folder, "trees", { label: "Number of trees", format: whole });
+    this.placement(folder, "density", { label: "Density", format: hundredths });
+    this.placement(folder, "forestSeed", { label: "Placement seed", format: whole });
+    this.choice(folder, "form", {
+      label: "Tree form",
+      options: { "By location": "place", "Open-grown": "open", "Forest-grown": "forest" },
     });
-    this.choice(folder, "background", "Distant forest");
-    this.choice(folder, "quality", "Render quality", { Low: "low", Medium: "medium", High: "high" });
-    this.choice(folder, "frameRateLimit_hz", "Frame rate", {
-      "As the display": LIMITS.frameRateLimit_hz.max,
-      "At most 30": 30,
-      "At most 15": 15,
+    this.choice(folder, "background", { label: "Distant forest" });
+    this.choice(folder, "quality", {
+      label: "Render quality",
+      options: { Low: "low", Medium: "medium", High: "high" },
+    });
+    this.choice(folder, "frameRateLimit_hz", {
+      label: "Frame rate",
+      options: { "Display rate": LIMITS.frameRateLimit_hz.max, "At most 30": 30, "At most 15": 15 },
     });
   }
 
-  private lookup(folder: FolderApi): void {
-    this.choice(folder, "lookup", "Computed", { "In this browser": "worker", "On the server": "server" });
-    const method = this.choice(folder, "method", "Method", {
-      "Modal reduced order": "modal",
-      "Paper's state search": "paper",
+  private motion(folder: FolderApi): void {
+    const { playback } = this.store;
+    folder.addBinding(playback, "speed", { label: "Speed", options: PLAYBACK_SPEEDS });
+    const times = (value: number) => `×${value.toFixed(1)}`;
+    this.choice(folder, "exaggeration", { label: "Exaggeration", format: times, ...LIMITS.exaggeration });
+    folder.addButton({ title: "Pause and step" }).on("click", () => playback.step());
+    this.choice(folder, "lookup", {
+      label: "Computed",
+      options: { "In this browser": "worker", "On the server": "server" },
     });
-    const advanced = folder.addFolder({ title: "Advanced", expanded: false });
+    const method = this.choice(folder, "method", {
+      label: "Method",
+      options: { "Modal model": "modal", "Paper's state search": "paper" },
+    });
     method.element.after(this.methodNote);
     this.methodNote.hidden = true;
-    const { settings } = this;
-    const easing = {
-      get own() {
-        return settings.poseEasing !== null;
+    this.easing(folder.addFolder({ title: "Advanced", expanded: false }));
+  }
+
+  /** A switch between the easing of each table and one for all, which has a slider. */
+  private easing(folder: FolderApi): void {
+    const { settings } = this.store;
+    bind(
+      folder,
+      { label: "Custom easing" },
+      () => settings.poseEasing !== null,
+      (own) => {
+        settings.poseEasing = own ? 0.05 : null;
       },
-      set own(own: boolean) {
-        if (own !== this.own) settings.poseEasing = own ? 0.05 : null;
+    );
+    const slider = bind(
+      folder,
+      { label: "Pose easing", format: (value: number) => value.toFixed(3), ...LIMITS.poseEasing },
+      () => settings.poseEasing ?? 0,
+      (value) => {
+        settings.poseEasing = value;
       },
-    };
-    let slider: BladeApi | null = null;
-    this.showEasing = () => {
-      if (easing.own === (slider !== null)) return;
-      if (slider) advanced.remove(slider);
-      slider = easing.own ? this.easingSlider(advanced) : null;
-      labelInputs(element("panel"));
-    };
-    advanced.addBinding(easing, "own", { label: "Custom easing" }).on("change", () => {
-      this.showEasing();
-      this.changed("poseEasing");
+    );
+    effect(() => {
+      slider.hidden = settings.poseEasing === null;
     });
-    this.showEasing();
   }
 
-  private easingSlider(folder: FolderApi): BladeApi {
-    return folder
-      .addBinding(this.settings as Settings & { poseEasing: number }, "poseEasing", {
-        label: "Pose easing",
-        format: (value: number) => value.toFixed(3),
-        ...LIMITS.poseEasing,
-      })
-      .on("change", () => this.changed("poseEasing"));
+  /** Shows what the server has now, and what keeps trees from using the chosen method. */
+  report(): void {
+    const { kinds, uploads } = this.catalogue;
+    this.list(this.species, kinds, (id, name) => this.share(id, name));
+    this.list(this.uploads, uploads, (id, name) => this.planted(id, name));
+    this.uploads.hidden = uploads.length === 0;
+    const { note } = this.paper;
+    if (this.methodNote.textContent === note) return;
+    this.methodNote.textContent = note;
+    this.methodNote.hidden = note === "";
   }
 
-  private choice(
+  /** Fills a folder with a control for each of a list, again when the list has changed. */
+  private list(
     folder: FolderApi,
-    key: "background" | "flutter" | "form" | "frameRateLimit_hz" | "quality" | "lookup" | "method",
-    label: string,
-    options?: Record<string, string | number>,
-  ): BladeApi {
-    return folder
-      .addBinding(this.settings, key, options ? { label, options } : { label })
-      .on("change", () => this.changed(key));
-  }
-
-  /** Shows a text below the choice of method; an empty one hides it. */
-  showMethodNote(words: string): void {
-    if (this.methodNote.textContent === words) return;
-    this.methodNote.textContent = words;
-    this.methodNote.hidden = words === "";
-  }
-
-  private figures(folder: FolderApi): void {
-    const show = (key: keyof Statistics, label: string, format?: (value: number) => string) =>
-      folder.addBinding(this.statistics, key, {
-        readonly: true,
-        label,
-        interval: 500,
-        ...(format && { format }),
-      });
-    folder.addBinding(this.statistics, "framesPerSecond", {
-      readonly: true,
-      label: "Frame rate (1/s)",
-      view: "graph",
-      min: 0,
-      max: 75,
-      interval: 250,
-    });
-    show("frame_ms", "Frame time (ms)", fine);
-    show("script_ms", "Script time (ms)", fine);
-    show("lookup_ms", "Worker time (ms)", fine);
-    show("trees", "Moving trees", whole);
-    show("triangles", "Triangles", whole);
-    show("drawCalls", "Draw calls", whole);
-    show("stream", "Stream rate");
-    show("latency", "Latency");
-    show("frameAge", "Frame age");
-  }
-
-  /** One slider per species: its relative frequency in the forest. */
-  showSpecies(species: readonly { id: string; name: string }[]): void {
-    const key = JSON.stringify(species);
-    if (key === this.shownSpecies) return;
-    this.shownSpecies = key;
-    for (const child of [...this.species.children]) this.species.remove(child);
-    for (const { id, name } of species) {
-      const share = { value: this.settings.shares[id] ?? 1 };
-      this.species
-        .addBinding(share, "value", { label: name, min: 0, max: 1, step: 0.05, format: (v) => v.toFixed(2) })
-        .on("change", ({ last, value }) => {
-          this.settings.shares[id] = value;
-          if (last) this.changed("shares");
-        });
-    }
+    listed: readonly { id: string; name: string }[],
+    add: (id: string, name: string) => void,
+  ): void {
+    const key = JSON.stringify(listed);
+    if (this.listed.get(folder) === key) return;
+    this.listed.set(folder, key);
+    for (const child of [...folder.children]) child.dispose();
+    for (const { id, name } of listed) add(id, name);
     labelInputs(element("panel"));
   }
 
-  /** Shows settings that were replaced, also the shares of the species. */
-  showReplaced(): void {
-    this.shownSpecies = "";
-    this.refresh();
+  /** The relative frequency of a species in the forest. */
+  private share(id: string, label: string): void {
+    const { settings } = this.store;
+    bind(
+      this.species,
+      { label, min: 0, max: 1, step: 0.05, format: hundredths },
+      () => settings.shares[id] ?? 1,
+      (share, released) => {
+        if (released) settings.shares = { ...settings.shares, [id]: share };
+      },
+    );
   }
 
-  /** Shows settings that were changed elsewhere. */
-  refresh(): void {
-    this.refreshing = true;
-    this.showEasing();
-    this.pane.refresh();
-    this.refreshing = false;
+  /** How an upload is planted. */
+  private planted(id: string, label: string): void {
+    const { settings } = this.store;
+    bind<Planted | "none">(
+      this.uploads,
+      { label, options: PLANTED_CHOICES },
+      () => plantedAs(settings, id) ?? "none",
+      (how) => plantAs(settings, id, how === "none" ? null : how),
+    );
   }
+}
 
-  dispose(): void {
-    this.pane.dispose();
-  }
+/**
+ * Binds a control to a value in both directions: `read` is followed, and `write` is called with what the visitor chooses;
+ * `released`: whether a slider has been let go.
+ */
+function bind<V>(
+  folder: FolderApi,
+  params: BindingParams,
+  read: () => V,
+  write: (value: V, released: boolean) => void,
+): BladeApi {
+  const shown: { value: unknown } = { value: read() };
+  /** Tweakpane reports a refresh as a change, with values clamped to the slider's limits. */
+  let refreshing = false;
+  const binding = folder.addBinding(shown, "value", params).on("change", ({ value, last }) => {
+    if (!refreshing) write(value as V, last);
+  });
+  const end = effect(() => {
+    shown.value = read();
+    refreshing = true;
+    binding.refresh();
+    refreshing = false;
+  });
+  binding.controller.viewProps.handleDispose(end);
+  return binding;
+}
+
+function figures(folder: FolderApi, statistics: Statistics): void {
+  const show = (key: keyof Statistics, label: string, format?: (value: number) => string) =>
+    folder.addBinding(statistics, key, {
+      readonly: true,
+      label,
+      interval: 500,
+      ...(format && { format }),
+    });
+  folder.addBinding(statistics, "framesPerSecond", {
+    readonly: true,
+    label: "Frame rate (1/s)",
+    view: "graph",
+    min: 0,
+    max: 75,
+    interval: 250,
+  });
+  show("frame_ms", "Frame time (ms)", fine);
+  show("script_ms", "Script time (ms)", fine);
+  show("lookup_ms", "Worker time (ms)", fine);
+  show("trees", "Moving trees", whole);
+  show("triangles", "Triangles", whole);
+  show("drawCalls", "Draw calls", whole);
+  show("stream", "Stream rate");
+  show("latency", "Latency");
+  show("frameAge", "Frame age");
 }

@@ -1,9 +1,10 @@
 /** A dialog with one card per tree of the forest that lists its physical properties. */
 import { paperStateOf, stateWords } from "../paper/paperState";
-import type { KnownTree } from "../server/catalogue";
+import type { Catalogue, KnownTree } from "../server/catalogue";
 import { reportOf } from "../server/reports";
-import { make } from "./dom";
+import { make, makeButton } from "./dom";
 import { type Fact, factsOf } from "./physics";
+import { tool } from "./toolbar";
 import { displayName } from "./words";
 
 function factRow({ name, value, meaning }: Fact): HTMLElement {
@@ -28,19 +29,18 @@ function card(known: KnownTree): HTMLElement {
 }
 
 export class PhysicsCards {
+  readonly tool = tool("trees", "Tree physics", () => this.open());
   private readonly dialog = make("dialog", "", "physics");
   private readonly cards = make("div", "", "physics-cards");
 
-  constructor() {
+  constructor(private readonly catalogue: Catalogue) {
     const heading = make("h2", "Tree physics");
     heading.id = "physics-heading";
     this.dialog.setAttribute("aria-labelledby", heading.id);
     const words =
       "The wood of each species was simulated in many winds with the finite element method. The results are stored in " +
       "a table, from which every tree in the forest computes its own motion.";
-    const close = make("button", "Close");
-    close.type = "button";
-    close.addEventListener("click", () => this.dialog.close());
+    const close = makeButton("Close", () => this.dialog.close());
     this.dialog.addEventListener("click", (event) => {
       if (event.target === this.dialog) this.dialog.close(); // the backdrop
     });
@@ -53,15 +53,11 @@ export class PhysicsCards {
     document.body.append(this.dialog);
   }
 
-  open(trees: readonly KnownTree[]): void {
+  open(): void {
     if (this.dialog.open) return;
-    const ready = trees.filter(({ tree }) => tree.state === "ready" || tree.state === "preliminary");
+    const ready = this.catalogue.known.filter(({ tree }) => tree.state === "ready" || tree.state === "preliminary");
     this.cards.replaceChildren(...ready.map(card));
     if (ready.length === 0) this.cards.append(make("p", "No tree has been computed yet."));
     this.dialog.showModal();
-  }
-
-  dispose(): void {
-    this.dialog.remove();
   }
 }

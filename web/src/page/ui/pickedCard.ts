@@ -1,25 +1,24 @@
 /** Card of the selected tree: its current motion, pictures of its model, and actions. */
-import { onlyExtrasLeft, type PaperState, stateWords } from "../paper/paperState";
-import { jobPictures, pictureUrl, type Tree } from "../server/api";
-import type { KnownTree } from "../server/catalogue";
+import { effect } from "@preact/signals-core";
+import type { PaperMethod } from "../paper/paperMethod";
+import { onlyExtrasLeft, stateWords } from "../paper/paperState";
+import { cancelJob, jobPictures, Problem, pictureUrl, type Tree } from "../server/api";
+import type { Catalogue, KnownTree } from "../server/catalogue";
 import { reportOf } from "../server/reports";
-import type { Planted } from "../settings/planted";
-import type { PickedFigures } from "../treePicker";
-import { element, make } from "./dom";
+import { plantAs, plantedAs } from "../settings/planted";
+import type { Store } from "../store/store";
+import type { PickedFigures, TreePicker } from "../treePicker";
+import { element, make, makeButton, write } from "./dom";
 import { chosenStiffness } from "./physics";
 import { PlantedChoice } from "./plantedChoice";
+import { showToast } from "./toast";
 import { displayName } from "./words";
 
-export interface PickedTools {
-  follow(following: boolean): void;
-  compare(): void;
-  physics(): void;
-  /** Ends the computation of this job. */
-  cancel(jobId: string): void;
-  /** How an upload is planted; `plant` changes it. */
-  planted(id: string): Planted | null;
-  plant(id: string, how: Planted | null): void;
-  close(): void;
+/** What other features offer for the selected tree. */
+export interface CardParts {
+  /** The choice of what is drawn on it. */
+  readonly menu: HTMLElement;
+  readonly buttons: readonly HTMLElement[];
 }
 
 const PICTURES = { "tetrahedra.png": "Tetrahedra", "skeleton.png": "Skeleton" } as const;
@@ -41,71 +40,72 @@ export function figuresInWords(
   return rows;
 }
 
+/** Cancels a computation; says why if that fails. */
+async function cancel(jobId: string): Promise<void> {
+  try {
+    await cancelJob(jobId);
+  } catch (error) {
+    if (!(error instanceof Problem)) throw error;
+    showToast(error.title, error.hint);
+  }
+}
+
 export class PickedCard {
   private readonly root = make("article", "", "card picked");
   private readonly heading = make("h2");
   private readonly list = make("dl");
   private readonly words = make("span");
-  private readonly cancel = make("button", "Cancel", "picked-cancel");
+  private readonly cancel = makeButton("Cancel", () => void cancel(this.jobId), "picked-cancel");
   private readonly pictures = make("div", "", "job-pictures");
-  private readonly follow = make("button", "Follow");
   private readonly planted: PlantedChoice;
   private shownId = "";
   /** The state of the tree whose report was asked for, and the last report that has arrived. */
   private reportedAt = "";
-  private report: unknown = null;
+  private buildReport: unknown = null;
   private jobId = "";
 
-  /** `overlays` is the menu of what to draw on the tree. */
   constructor(
-    private readonly tools: PickedTools,
-    overlays: HTMLElement,
+    private readonly store: Store,
+    private readonly picker: TreePicker,
+    private readonly catalogue: Catalogue,
+    private readonly paper: PaperMethod,
+    { menu, buttons }: CardParts,
   ) {
     this.root.hidden = true;
     this.root.setAttribute("aria-label", "Selected tree");
-    const row = make("div", "", "picked-tools");
-    this.follow.setAttribute("aria-pressed", "false");
-    this.follow.addEventListener("click", () => {
-      const on = this.follow.getAttribute("aria-pressed") !== "true";
-      this.follow.setAttribute("aria-pressed", String(on));
-      tools.follow(on);
+    const { following } = picker;
+    const follow = makeButton("Follow", () => {
+      following.value = !following.value;
     });
-    const button = (words: string, pressed: () => void) => {
-      const made = make("button", words);
-      made.addEventListener("click", pressed);
-      return made;
-    };
-    const close = button("✕", () => tools.close());
+    effect(() => follow.setAttribute("aria-pressed", String(following.value)));
+    const close = makeButton("✕", () => picker.select(null));
     close.setAttribute("aria-label", "Close");
-    row.append(
-      this.follow,
-      button("Check accuracy", () => tools.compare()),
-      button("Physics", () => tools.physics()),
-      close,
-    );
-    this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
+    const row = make("div", "", "picked-tools");
+    row.append(follow, ...buttons, close);
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
-    this.planted = new PlantedChoice((how) => tools.plant(this.shownId, how));
-    this.root.append(this.heading, this.list, state, this.planted.root, overlays, this.pictures, row);
-    for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
+    this.planted = new PlantedChoice((how) => plantAs(store.settings, this.shownId, how));
+    this.root.append(this.heading, this.list, state, this.planted.root, menu, this.pictures, row);
     element("progress").before(this.root);
+    effect(() => this.report());
   }
 
-  /** Shows the current figures of the tree; null hides the card. */
-  show(figures: PickedFigures | null, known: KnownTree | null, paper: PaperState): void {
-    this.root.hidden = !figures || !known;
-    if (!figures || !known) {
-      this.shownId = "";
-      this.follow.setAttribute("aria-pressed", "false");
-      return;
-    }
+  /** Shows the current figures of the picked tree; without one the card is hidden. */
+  report(): void {
+    const { figures } = this.picker;
+    const known = figures && this.catalogue.find(figures.treeId);
+    this.root.hidden = !known;
+    if (figures && known) this.show(figures, known);
+    else this.shownId = "";
+  }
+
+  private show(figures: PickedFigures, known: KnownTree): void {
     const { tree } = known;
     if (this.shownId !== tree.id) {
       this.shownId = tree.id;
       this.heading.textContent = displayName(tree);
       this.reportedAt = "";
-      this.report = null;
+      this.buildReport = null;
       void this.showPictures(tree);
     }
     const figured = figuresInWords(figures, Boolean(tree.table_sha256));
@@ -118,8 +118,8 @@ export class PickedCard {
     });
     this.list.replaceChildren(...rows);
     this.planted.root.hidden = tree.builtin;
-    this.planted.show(this.tools.planted(tree.id));
-    this.showState(known, paper);
+    this.planted.show(plantedAs(this.store.settings, tree.id));
+    this.showState(known);
   }
 
   /** The report of the shown tree; until it arrives, that before its last change, or null. */
@@ -128,21 +128,20 @@ export class PickedCard {
     if (this.reportedAt !== updated_at) {
       this.reportedAt = updated_at;
       void reportOf(tree).then((report) => {
-        if (this.shownId === tree.id && this.reportedAt === updated_at) this.report = report;
+        if (this.shownId === tree.id && this.reportedAt === updated_at) this.buildReport = report;
       });
     }
-    return this.report;
+    return this.buildReport;
   }
 
-  private showState(known: KnownTree, paper: PaperState): void {
-    const words = stateWords(known, paper);
+  private showState(known: KnownTree): void {
     const { job } = known;
     const cancellable = onlyExtrasLeft(job);
     this.jobId = cancellable ? job.id : "";
     const what = job?.stage === "bare" ? "table without leaves" : "paper's method";
     this.cancel.setAttribute("aria-label", `Cancel the computation of the ${what}`);
     this.cancel.hidden = !cancellable;
-    if (this.words.textContent !== words) this.words.textContent = words;
+    write(this.words, stateWords(known, this.paper.stateOf(known)));
   }
 
   private async showPictures(tree: Tree): Promise<void> {
@@ -162,9 +161,5 @@ export class PickedCard {
       link.append(image);
       this.pictures.append(link);
     }
-  }
-
-  dispose(): void {
-    this.root.remove();
   }
 }

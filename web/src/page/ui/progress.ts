@@ -4,7 +4,10 @@
  */
 
 import { onlyExtrasLeft } from "../paper/paperState";
+import type { World } from "../forest/world";
 import { isActive, type Job, pictureUrl, type Tree, type TreeChange } from "../server/api";
+import type { Catalogue } from "../server/catalogue";
+import { watch } from "../store/signals";
 import { element, make } from "./dom";
 import { JobProgress } from "./jobProgress";
 import { displayName } from "./words";
@@ -49,9 +52,21 @@ interface Card {
 export class ProgressCards {
   private readonly cards = new Map<string, Card>();
 
-  constructor(private readonly tools: ProgressTools) {}
+  constructor(
+    private readonly tools: ProgressTools,
+    catalogue: Catalogue,
+    world: World,
+  ) {
+    catalogue.onChange((change) => this.update(change));
+    watch(
+      () => [world.placements.value],
+      () => {
+        for (const id of this.cards.keys()) if (world.forest.last(id)) this.offerView(id);
+      },
+    );
+  }
 
-  update({ tree, job, deleted }: TreeChange): void {
+  private update({ tree, job, deleted }: TreeChange): void {
     const own = this.tools.isOwn(tree.id);
     const concerned = tree.builtin || own || this.tools.isPlanted(tree.id);
     // The records of the paper's method and the bare table follow quietly once the table is complete.
@@ -61,10 +76,10 @@ export class ProgressCards {
       this.finish(tree.id, lastWords({ tree, job, deleted }), own && !deleted && tree.table_sha256 !== null);
   }
 
-  /** The tree has appeared in the forest: its owner can be led to it. */
-  planted(id: string): void {
+  /** The owner of a tree that is planted can be led to it. */
+  private offerView(id: string): void {
     const card = this.cards.get(id);
-    if (card && this.tools.isOwn(id)) card.buttons.show.hidden = false;
+    if (card && this.tools.isOwn(id) && this.tools.isPlanted(id)) card.buttons.show.hidden = false;
   }
 
   private card(id: string, name: string): Card {
@@ -112,7 +127,7 @@ export class ProgressCards {
     // In a shared forest the owner decides when it is planted for all; it must have a motion by then.
     const plantable = tree.table_sha256 !== null && !this.tools.isPlanted(id);
     card.buttons.more.hidden = !this.tools.isOwn(id) || !plantable;
-    if (!known && this.tools.isPlanted(id)) this.planted(id);
+    if (!known) this.offerView(id);
     this.showPictures(card, name, job);
   }
 
@@ -188,9 +203,7 @@ const WHAT_TO_DO = "Try again. If it fails again, upload the tree with another h
 
 /** The fault of a job, with what to do about it. */
 export function faultOf({ error }: Pick<Job, "error">): string {
-  const title = typeof error === "string" ? error : error?.title;
-  const hint = typeof error === "string" ? "" : (error?.hint ?? "");
   // The server's texts are a sentence about the fault and often one about the remedy.
-  const advised = hint || (/[.!] \S/.test(title ?? "") ? "" : WHAT_TO_DO);
-  return `${title ?? "The computation failed."} ${advised}`.trim();
+  const advised = /[.!] \S/.test(error ?? "") ? "" : WHAT_TO_DO;
+  return `${error ?? "The computation failed."} ${advised}`.trim();
 }

@@ -1,9 +1,11 @@
 /** Season and time of day: four buttons and a slider that follows the sun. */
 
+import { effect } from "@preact/signals-core";
 import { SEASONS, type Season } from "../../scene/season/season";
 import { clockOf } from "../../scene/sky/daytime";
 import { element, make } from "./dom";
 
+/** Signals. */
 export interface Scenery {
   season: Season;
   daytime: number;
@@ -30,18 +32,14 @@ export class SceneryBar {
   private readonly slider = make("input");
   private readonly clock = make("output");
 
-  /** `changed` is called when the visitor changes the scenery. */
-  constructor(
-    private readonly scenery: Scenery,
-    private readonly changed: () => void,
-  ) {
+  constructor(private readonly scenery: Scenery) {
     this.buttons = SEASONS.map((season) => this.seasonButton(season));
     const seasons = make("div", "", "seasons");
     seasons.setAttribute("role", "group");
     seasons.setAttribute("aria-label", "Season");
     seasons.append(...this.buttons.map(({ button }) => button));
     element("scenery").replaceChildren(seasons, this.timeSlider());
-    this.show();
+    effect(() => this.show());
   }
 
   private seasonButton(season: Season) {
@@ -50,8 +48,6 @@ export class SceneryBar {
     button.dataset.season = season;
     button.addEventListener("click", () => {
       this.scenery.season = season;
-      this.show();
-      this.changed();
     });
     return { season, button };
   }
@@ -62,16 +58,13 @@ export class SceneryBar {
     slider.setAttribute("aria-label", "Time of day");
     slider.addEventListener("input", () => {
       this.scenery.daytime = Number(slider.value);
-      this.show();
-      this.changed();
     });
     const label = make("div", "", "daytime");
     label.append(slider, this.clock);
     return label;
   }
 
-  /** Updates the controls after a change made elsewhere. */
-  show(): void {
+  private show(): void {
     const { season, daytime } = this.scenery;
     for (const { season: own, button } of this.buttons)
       button.setAttribute("aria-pressed", String(own === season));

@@ -88,12 +88,4 @@ export class FrontBands {
       else band.mesh.visible = false;
     }
   }
-
-  dispose(): void {
-    this.group.removeFromParent();
-    for (const { mesh } of this.bands) {
-      mesh.geometry.dispose();
-      mesh.material.dispose();
-    }
-  }
 }

@@ -55,10 +55,4 @@ export class Mast {
   turn(speed_m_s: number, dt_s: number): void {
     this.rotor.rotation.y -= ((CUP_FACTOR * speed_m_s) / ARM_M) * dt_s;
   }
-
-  dispose(): void {
-    for (const geometry of [this.pole, this.arm, this.cup, this.cap]) geometry.dispose();
-    this.metal.dispose();
-    this.red.dispose();
-  }
 }

@@ -50,10 +50,4 @@ export class PickRing {
   hide(): void {
     this.mesh.visible = false;
   }
-
-  dispose(): void {
-    this.mesh.removeFromParent();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
-  }
 }

@@ -2,7 +2,6 @@
 import {
   CylinderGeometry,
   Group,
-  type Material,
   Mesh,
   MeshBasicMaterial,
   SphereGeometry,
@@ -70,12 +69,5 @@ export class PullHandle {
 
   hide(): void {
     this.group.visible = false;
-  }
-
-  dispose(): void {
-    this.group.removeFromParent();
-    this.ball.dispose();
-    this.stick.dispose();
-    for (const { material: own } of this.meshes) (own as Material).dispose();
   }
 }

@@ -113,10 +113,4 @@ export class WindOverlay {
     this.colour.copy(MEAN_COLOUR).lerp(gust < 0 ? LULL_COLOUR : GUST_COLOUR, Math.abs(gust));
     this.mesh.setColorAt(i, this.colour);
   }
-
-  dispose(): void {
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
-    this.mesh.dispose();
-  }
 }

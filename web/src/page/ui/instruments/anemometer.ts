@@ -84,8 +84,4 @@ export class Anemometer {
       `tip: ${(100 * tip_m).toFixed(0)} cm`;
     this.plots?.show(this.recorder);
   }
-
-  dispose(): void {
-    this.plots?.dispose();
-  }
 }

@@ -71,14 +71,11 @@ export class WindControls {
     output: HTMLOutputElement;
   }[];
 
-  constructor(
-    private readonly current: { readonly wind: WindDocument },
-    private readonly changed: (wind: WindDocument) => void,
-  ) {
+  constructor(private readonly current: { wind: WindDocument }) {
     for (const name of MODELS) this.model.append(new Option(MODEL_NAMES[name], name));
     this.measured = this.model.options[MODELS.indexOf("recorded")];
     this.model.addEventListener("change", () => {
-      this.changed(withModel(current.wind, this.model.value as WindModel));
+      current.wind = withModel(current.wind, this.model.value as WindModel);
     });
     this.element.append(labelled("Wind model", this.model));
     this.rows = SLIDERS.map((slider) => this.makeRow(slider));
@@ -86,7 +83,7 @@ export class WindControls {
     seed.type = "button";
     seed.title = "Same wind with different gusts (new seed)";
     seed.addEventListener("click", () => {
-      this.changed({ ...current.wind, seed: Math.floor(Math.random() * 10_000) });
+      current.wind = { ...current.wind, seed: Math.floor(Math.random() * 10_000) };
     });
     this.element.append(seed);
   }
@@ -97,7 +94,7 @@ export class WindControls {
     input.title = slider.title;
     input.dataset.field = slider.name;
     input.addEventListener("input", () => {
-      this.changed({ ...this.current.wind, [slider.name]: Number(input.value) });
+      this.current.wind = { ...this.current.wind, [slider.name]: Number(input.value) };
     });
     const output = make("output");
     const row = labelled(slider.label, input, output);

@@ -1,14 +1,9 @@
 /** The wind instruments: rose, description, presets, gust sliders, overlay, anemometer, files. */
 
-import {
-  PRESETS,
-  type PresetName,
-  type WindDocument,
-  type WindError,
-  type WindField,
-  withMean,
-} from "galewood/wind";
+import { effect } from "@preact/signals-core";
+import { PRESETS, type PresetName, type WindDocument, type WindError, withMean } from "galewood/wind";
 import { element, make } from "../dom";
+import { showToast } from "../toast";
 import { Anemometer } from "./anemometer";
 import { windInWords } from "./beaufort";
 import { WindControls } from "./controls";
@@ -23,35 +18,39 @@ const PRESET_NAMES: Record<PresetName, string> = {
   "storm-front": "Storm front",
 };
 
-/** Holds the page's wind; the instruments read it when needed and keep no copy. */
+/** Holds the page's wind, a signal; the instruments read and write it there and keep no copy. */
 export interface CurrentWind {
-  readonly wind: WindDocument;
+  wind: WindDocument;
 }
 
 export interface InstrumentEvents {
-  /** The visitor changed the wind. */
-  wind(wind: WindDocument): void;
   overlay(visible: boolean): void;
   /** Whether the next click on the ground places the anemometer. */
   placing(active: boolean): void;
   anemometerRemoved(): void;
-  problem(title: string, hint: string): void;
 }
 
 export class Instruments {
   readonly anemometer = new Anemometer(() => this.removeAnemometer());
   private readonly rose = new WindRose(({ direction_deg, mean_speed_m_s }) => {
-    this.events.wind(withMean(this.wind, mean_speed_m_s, direction_deg));
+    this.wind = withMean(this.wind, mean_speed_m_s, direction_deg);
   });
   private readonly words = make("p", "", "wind-words");
   private readonly coverage = make("p", "", "wind-coverage");
   private readonly controls: WindControls;
   private readonly presets: { name: PresetName; button: HTMLButtonElement }[];
   private readonly files = new WindFileInput(
-    (wind) => this.events.wind(wind),
+    (wind) => {
+      this.wind = wind;
+    },
     (why) => this.refuse(why),
   );
-  private readonly measurements: MeasurementInput;
+  private readonly measurements = new MeasurementInput({
+    wind: (wind) => {
+      this.wind = wind;
+    },
+    problem: showToast,
+  });
   private readonly overlayButton = toggle(
     "Show on ground",
     "Shows the wind as arrows on the ground: warm colours in gusts, blue in lulls",
@@ -62,8 +61,7 @@ export class Instruments {
     private readonly current: CurrentWind,
     private readonly events: InstrumentEvents,
   ) {
-    this.controls = new WindControls(current, events.wind);
-    this.measurements = new MeasurementInput(events);
+    this.controls = new WindControls(current);
     this.presets = (Object.keys(PRESETS) as PresetName[]).map((name) => this.presetButton(name));
     this.overlayButton.addEventListener("click", () => events.overlay(flip(this.overlayButton)));
     this.placeButton.addEventListener("click", () => events.placing(flip(this.placeButton)));
@@ -76,17 +74,23 @@ export class Instruments {
     );
     element("anemometer").replaceChildren(this.anemometer.element);
     element("winds").replaceChildren(...this.presets.map(({ button }) => button));
-    this.showWind();
+    effect(() => this.showWind());
   }
 
   private get wind(): WindDocument {
     return this.current.wind;
   }
 
+  private set wind(wind: WindDocument) {
+    this.current.wind = wind;
+  }
+
   private presetButton(name: PresetName) {
     const button = make("button", PRESET_NAMES[name]);
     button.type = "button";
-    button.addEventListener("click", () => this.events.wind(presetAt(name, this.wind.direction_deg)));
+    button.addEventListener("click", () => {
+      this.wind = presetAt(name, this.wind.direction_deg);
+    });
     return { name, button };
   }
 
@@ -119,11 +123,10 @@ export class Instruments {
   }
 
   private refuse(why: WindError): void {
-    this.events.problem("The wind file is invalid.", why.message);
+    showToast("The wind file is invalid.", why.message);
   }
 
-  /** Shows the page's wind after a change. */
-  showWind(): void {
+  private showWind(): void {
     const { wind } = this;
     const words = windInWords(wind.mean_speed_m_s, wind.direction_deg);
     if (this.words.textContent !== words) this.words.textContent = words;
@@ -133,11 +136,9 @@ export class Instruments {
       button.setAttribute("aria-pressed", String(name === current));
   }
 
-  /** Per frame: turns the dial with the camera and takes a measurement. */
-  advance(turn_deg: number, field: WindField, time_s: number, tip_m: number, now_ms: number): void {
+  /** Turns the dial with the camera. */
+  turn(turn_deg: number): void {
     this.rose.show(this.wind, turn_deg);
-    this.anemometer.measure(field, time_s, tip_m);
-    this.anemometer.draw(now_ms);
   }
 
   /** Shows the share of trees whose wind pressure is within the sampled range of their table. */
@@ -156,10 +157,6 @@ export class Instruments {
   private removeAnemometer(): void {
     this.anemometer.remove();
     this.events.anemometerRemoved();
-  }
-
-  dispose(): void {
-    this.anemometer.dispose();
   }
 }
 

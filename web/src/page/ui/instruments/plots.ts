@@ -96,9 +96,4 @@ export class Plots {
     const positive = Array.from(spectrum.power, (power) => (power > 0 ? power : null));
     this.spectrum.setData([[...spectrum.frequency_hz], positive, [...line]]);
   }
-
-  dispose(): void {
-    this.time.destroy();
-    this.spectrum.destroy();
-  }
 }

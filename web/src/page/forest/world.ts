@@ -1,0 +1,221 @@
+/** The forest on the screen: its scene, its trees and the worker that moves them, as the settings want them. */
+
+import { effect, signal } from "@preact/signals-core";
+import type { TreeAt } from "galewood/client";
+import { tipDisplacement_m, tipNode } from "galewood/motion";
+import { groundUnder, INSTANCE_FLOATS, type Ray } from "galewood/trees";
+import { meanVelocity_m_s, WindField } from "galewood/wind";
+import { Raycaster, Vector2 } from "three";
+import { exaggeration } from "../../scene/exaggeration";
+import { Forest, type PickedTree, type PlacedSpecies } from "../../scene/forest";
+import type { Planted } from "../../scene/ground/farWood";
+import { groundHeight_m } from "../../scene/ground/landscape";
+import { Stage } from "../../scene/stage";
+import { ContextLoss } from "../contextLoss";
+import { ForestClient } from "../forestClient";
+import { showPulls } from "../pulling/showPulls";
+import { speciesOptions } from "../speciesOptions";
+import { watch } from "../store/signals";
+import type { Store } from "../store/store";
+import { element } from "../ui/dom";
+import { showExaggeration } from "../ui/exaggerated";
+
+/** A place above the ground, m. */
+export interface AboveGround {
+  readonly x: number;
+  readonly above: number;
+  readonly z: number;
+}
+
+/** A tree is hidden if the ground is hit this much nearer. */
+const HIDDEN_M = 3;
+
+export class World {
+  readonly client: ForestClient;
+  readonly stage: Stage;
+  readonly forest: Forest;
+  /** The wind field as the worker has it. */
+  readonly field: WindField;
+  /** Number of placements whose trees have appeared. */
+  readonly placements = signal(0);
+  private readonly graphics: ContextLoss;
+  /** Uniform of the leaf flutter: time, s, and whether leaves flutter. */
+  private readonly flutter = { value: { x: 0, y: 0 } };
+  /** Whether the trees to draw must be selected again. */
+  private viewChanged = true;
+
+  constructor(private readonly store: Store) {
+    const { settings, opened } = store;
+    this.client = new ForestClient(store);
+    this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
+    const { stage } = this;
+    this.field = new WindField(settings.wind);
+    // three.js creates its own resources again when it draws; what depends on the view is selected again.
+    this.graphics = new ContextLoss(this.canvas, () => this.showScenery());
+    this.forest = new Forest(speciesOptions(settings.quality, stage, this.flutter), stage.backdrop.library);
+    stage.scene.add(this.forest.group);
+    if (opened.eye && opened.target) {
+      stage.camera.position.set(...opened.eye);
+      stage.controls.target.set(...opened.target);
+    }
+    if (opened.clouds) stage.sky.drift.set(...opened.clouds);
+    this.follow();
+  }
+
+  /** Draws what the settings say from now on. */
+  private follow(): void {
+    const { settings } = this.store;
+    const { stage, forest } = this;
+    effect(() => this.showScenery());
+    effect(() => this.exaggerate(settings.exaggeration));
+    effect(() => {
+      stage.backdrop.shown = settings.background;
+    });
+    effect(() => {
+      this.flutter.value.y = settings.flutter ? 1 : 0;
+    });
+    watch(
+      () => [settings.quality],
+      ([quality]) => {
+        stage.setQuality(quality);
+        forest.options = speciesOptions(quality, stage, this.flutter);
+      },
+    );
+  }
+
+  /** Shows season and time of day in light, land and leaves. */
+  private showScenery(): void {
+    const { daytime, season } = this.store.settings;
+    this.stage.show(daytime, season);
+    this.forest.setSeason(season);
+    this.stage.shelter(this.forest.crowns);
+    this.viewChanged = true;
+  }
+
+  /** Sets the factor of all displacements on screen; figures stay as simulated. */
+  private exaggerate(factor: number): void {
+    exaggeration.value = factor;
+    showExaggeration(factor);
+    this.viewChanged = true;
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.stage.renderer.domElement;
+  }
+
+  /** Whether nobody can see a picture: the page is hidden, or its graphics context lost. */
+  get isUnseen(): boolean {
+    return document.visibilityState === "hidden" || this.graphics.lost;
+  }
+
+  get hasTrees(): boolean {
+    return this.forest.group.children.length > 0;
+  }
+
+  /** Shows a placement; `planted` describes it to the background forest. */
+  show(placed: readonly PlacedSpecies[], planted: Planted): void {
+    this.forest.show(placed);
+    this.stage.surround(planted);
+    this.stage.shelter(this.forest.crowns);
+    this.viewChanged = true;
+    this.placements.value++;
+  }
+
+  // ---- every frame --------------------------------------------------------------------------------
+
+  /** Requests the next poses, dt_s on, and takes those that have arrived. */
+  moveTrees(dt_s: number): void {
+    if (!this.store.state.stopped) this.client.advance(dt_s, this.stage.camera.position);
+    this.takePoses();
+  }
+
+  /** Waits for the requested poses, and takes them. */
+  async settle(): Promise<void> {
+    while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
+    this.takePoses();
+  }
+
+  private takePoses(): void {
+    const { forest, client, field } = this;
+    if (!client.takeFreshPoses()) return;
+    for (const [k, moving] of forest.moving.entries()) moving.forest.setPoses(client.poses[k]);
+    showPulls(forest, client);
+    if (client.wind) field.state = client.wind.state;
+  }
+
+  /** Moves sky, snow, ground cover and leaves on by dt_s. */
+  moveScenery(dt_s: number): void {
+    const { stage, client, flutter } = this;
+    stage.advance(dt_s, meanVelocity_m_s(this.store.settings.wind), client.time_s);
+    if (client.wind) stage.backdrop.wood.advance(client.wind.state, client.time_s);
+    flutter.value.x += dt_s;
+  }
+
+  /** Draws the picture, `dt_s` after the last one, unless a waiting forest has nothing new; returns whether it did. */
+  draw(dt_s: number, waits: boolean): boolean {
+    const { stage, forest } = this;
+    this.viewChanged = stage.updateCamera() || this.viewChanged;
+    if (waits && (this.hasTrees || !this.viewChanged)) return false;
+    if (this.viewChanged) {
+      forest.select(stage.view());
+      stage.backdrop.select(stage.view());
+    }
+    this.viewChanged = false;
+    stage.renderer.info.reset();
+    forest.renderNodes(stage.renderer);
+    stage.render(dt_s);
+    return true;
+  }
+
+  // ---- places -------------------------------------------------------------------------------------
+
+  /** Points a caster from the eye through a place in the window, px. */
+  aim(left_px: number, top_px: number, caster = new Raycaster()): Ray {
+    const box = this.canvas.getBoundingClientRect();
+    const x = (2 * (left_px - box.left)) / box.width - 1;
+    const y = 1 - (2 * (top_px - box.top)) / box.height;
+    caster.setFromCamera(new Vector2(x, y), this.stage.camera);
+    return { from: caster.ray.origin, to: caster.ray.direction };
+  }
+
+  /** The ground at a place in the window, px; null if there is none. */
+  groundAt(left_px: number, top_px: number): { x: number; z: number } | null {
+    return groundUnder(this.aim(left_px, top_px), groundHeight_m);
+  }
+
+  /** The tree at a place in the window, px; null if there is none. */
+  pick(left_px: number, top_px: number): PickedTree | null {
+    const ray = this.aim(left_px, top_px);
+    const hit = this.forest.pick(ray, this.client.poses);
+    const ground = hit && groundUnder(ray, groundHeight_m);
+    if (!hit || !ground) return hit;
+    const { x, z } = ray.from;
+    const ground_m = Math.hypot(ground.x - x, ground.z - z) / Math.hypot(ray.to.x, ray.to.z);
+    return ground_m < hit.distance_m - HIDDEN_M ? null : hit;
+  }
+
+  /** Tip displacement of a tree, m; 0 if it does not move. */
+  tip_m({ group, tree }: TreeAt): number {
+    const species = this.forest.moving[group]?.forest;
+    const poses = this.client.poses[group];
+    if (!species?.motion || !poses) return 0;
+    const { motion, instances } = species;
+    const pose = poses.subarray(tree * motion.stride, (tree + 1) * motion.stride);
+    return tipDisplacement_m(motion, tipNode(motion), pose, instances.data[tree * INSTANCE_FLOATS + 6]);
+  }
+
+  /** Moves the camera. */
+  look(eye: AboveGround, at: AboveGround): void {
+    const { camera, controls } = this.stage;
+    camera.position.set(eye.x, groundHeight_m(eye.x, eye.z) + eye.above, eye.z);
+    controls.target.set(at.x, groundHeight_m(at.x, at.z) + at.above, at.z);
+  }
+
+  /** Stops the worker and frees the memory of the graphics card. */
+  dispose(): void {
+    this.stage.renderer.setAnimationLoop(null);
+    this.client.dispose();
+    this.forest.clear();
+    this.stage.dispose();
+  }
+}
