@@ -21,9 +21,9 @@ BREAST_HEIGHT_M = 1.3
 COLUMNS = "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,branchID"
 GOLDEN_ANGLE_RAD = np.pi * (3 - np.sqrt(5))
 LARGEST_CHILD = 0.6
-"""Radius of a side branch relative to the limb that bears it, at most."""
+"""Radius of a side branch relative to its parent limb, at most."""
 LONGEST_CHILD = 0.5
-"""Length of a side branch relative to the limb that bears it, at most."""
+"""Length of a side branch relative to its parent limb, at most."""
 LIMB_SEGMENTS, TRUNK_SEGMENTS = 12, 30
 
 

@@ -36,7 +36,7 @@ def chain(place, radius) -> Cylinders:
 
 
 def random_model(seed: int, count: int = 400) -> Cylinders:
-    """A tree that grows at random: any cylinder may bear the next, radii are noisy, and there are gaps."""
+    """A tree that grows at random: any cylinder may be the next one's parent; noise and gaps."""
     random = np.random.default_rng(seed)
     start, end, radius, parent = [np.zeros(3)], [np.array([0.0, 0, 0.4])], [0.12], [NONE]
     for _ in range(count - 1):

@@ -53,7 +53,7 @@ class Parts:
 
 
 def parts_of(table: Table, rest_m: Floats) -> Parts:
-    """The parts of a tree. Branches of the fourth level and beyond belong to what bears them."""
+    """The parts of a tree. Branches of the fourth level and beyond belong to their parent."""
     part_of_node, parent, level = _branches(table)
     joint = joint_of_vertex(table)
     node_of_joint = _nearer_node(table)
@@ -66,8 +66,8 @@ def parts_of(table: Table, rest_m: Floats) -> Parts:
     number = np.full(len(table.joint_share), -1)
     number[clusters] = len(parent) + np.arange(len(clusters))
     of_vertex = np.where(hanging, number[joint], of_vertex)
-    bearing = part_of_node[node_of_joint][clusters]
-    parent, level = np.concatenate([parent, bearing]), np.concatenate([level, level[bearing] + 1])
+    parent_part = part_of_node[node_of_joint][clusters]
+    parent, level = np.concatenate([parent, parent_part]), np.concatenate([level, level[parent_part] + 1])
     if len(parent) > MOST_PARTS:
         raise ExportError(f"the tree has {len(parent)} parts; pivot-painter textures hold {MOST_PARTS}")
     pivot = np.concatenate(
@@ -79,14 +79,14 @@ def parts_of(table: Table, rest_m: Floats) -> Parts:
 
 def _branches(table: Table) -> tuple[Ints, Ints, Ints]:
     """Part of each node (n,), parents and levels of these parts; roots but the first count as branches."""
-    branch, bearing = branch_of_node(table)
-    bearing = np.where(bearing < 0, 0, bearing)
-    level = levels(np.where(np.arange(len(bearing)) == 0, -1, bearing))
+    branch, parent_branch = branch_of_node(table)
+    parent_branch = np.where(parent_branch < 0, 0, parent_branch)
+    level = levels(np.where(np.arange(len(parent_branch)) == 0, -1, parent_branch))
     kept = level < MAX_LEVELS - 1
     part = np.cumsum(kept) - 1
     for one in np.flatnonzero(~kept):
-        part[one] = part[bearing[one]]
-    return part[branch], part[bearing[kept]], level[kept]
+        part[one] = part[parent_branch[one]]
+    return part[branch], part[parent_branch[kept]], level[kept]
 
 
 def _nearer_node(table: Table) -> Ints:
@@ -95,7 +95,7 @@ def _nearer_node(table: Table) -> Ints:
 
 
 def _branch_pivots(table: Table, part_of_node: Ints) -> Floats:
-    """Where each branch begins: the node that bears its first one, or that itself."""
+    """Where each branch begins: the parent of its first node, or that node itself."""
     parent, rest = parents_of(table), table.node_rest_m.astype(np.float64)
     first = np.unique(part_of_node, return_index=True)[1]
     return rest[np.where(parent[first] >= 0, parent[first], first)]

@@ -102,11 +102,11 @@ def _carried_error(rest: Floats, motion: RigidMotion) -> Floats:
     return found
 
 
-def _best(error: Floats, carries: Mask, bearer: Ints, chosen: Mask) -> int:
+def _best(error: Floats, carries: Mask, parent_bone: Ints, chosen: Mask) -> int:
     """The node not yet chosen that reduces the error most."""
-    now = error[bearer, np.arange(len(bearer))]
+    now = error[parent_bone, np.arange(len(parent_bone))]
     # a new bone takes over the nodes after it whose bones come before it
-    takes_over = carries & carries[bearer].T
+    takes_over = carries & carries[parent_bone].T
     gain = np.where(takes_over, now[None] - error, 0.0).sum(axis=1)
     return int(np.argmax(np.where(chosen, -np.inf, gain)))
 
@@ -140,21 +140,21 @@ def branch_of_node(table: Table) -> tuple[Ints, Ints]:
     """
     parent = parents_of(table)
     heir = heirs(parent)
-    branch, bearing = np.full(len(parent), -1), list[int]()
+    branch, parent_branch = np.full(len(parent), -1), list[int]()
     for node in range(len(parent)):
         above = parent[node]
         if above >= 0 and heir[above] == node:
             branch[node] = branch[above]
         else:
-            branch[node] = len(bearing)
-            bearing.append(-1 if above < 0 else int(branch[above]))
-    return branch, np.array(bearing, np.int64)
+            branch[node] = len(parent_branch)
+            parent_branch.append(-1 if above < 0 else int(branch[above]))
+    return branch, np.array(parent_branch, np.int64)
 
 
-def levels(bearing: Ints) -> Ints:
-    """(branches,) 0 for the trunk, 1 for what it bears, and so on; parents come first."""
-    level = np.zeros(len(bearing), np.int64)
-    for branch, above in enumerate(bearing):
+def levels(parent_branch: Ints) -> Ints:
+    """(branches,) 0 for the trunk, 1 for its branches, and so on; parents come first."""
+    level = np.zeros(len(parent_branch), np.int64)
+    for branch, above in enumerate(parent_branch):
         level[branch] = 0 if above < 0 else level[above] + 1
     return level
 

@@ -21,8 +21,8 @@ GROUP_COUNT = 4
 
 def wind_groups(table: Table, skeleton: Skeleton, motion: RigidMotion) -> dict[str, Any]:
     """The document for a skeleton whose bones move by ``motion``."""
-    branch, bearing = branch_of_node(table)
-    group = np.minimum(levels(bearing)[branch[skeleton.node]], GROUP_COUNT - 1)
+    branch, parent_branch = branch_of_node(table)
+    group = np.minimum(levels(parent_branch)[branch[skeleton.node]], GROUP_COUNT - 1)
     influence = _influence(group, motion)
     return {
         "Joints": [

@@ -32,7 +32,7 @@ def on_springs(model: FemModel, root_stiffness_nm_rad: float) -> FemModel:
 def with_ground_reaction(model: FemModel, u_m: Floats) -> Floats:
     """(N,3) N: weight and the constant force of the ground on a base whose springs are displaced by u (N,3).
 
-    For a shape that is already loaded: there the springs have no displacement, yet bear the tree.
+    For a shape that is already loaded: there the springs have no displacement, yet support the tree.
     """
     if model.foundation_n_m is None:
         return model.gravity_n

@@ -135,10 +135,10 @@ def _draw_ghost(plot: Axes, mesh: TetMesh, camera: Camera) -> None:
 def branch_order(skeleton: Skeleton) -> Ints:
     """(branches,) number of forks between each branch and the trunk (0 for the trunk)."""
     _, first = np.unique(skeleton.branch, return_index=True)
-    bearer = skeleton.branch[np.maximum(skeleton.parent[first], 0)]
+    parent_branch = skeleton.branch[np.maximum(skeleton.parent[first], 0)]
     order = np.zeros(len(first), np.int64)
     for _ in range(len(first)):
-        deeper = np.where(bearer == np.arange(len(first)), 0, order[bearer] + 1)
+        deeper = np.where(parent_branch == np.arange(len(first)), 0, order[parent_branch] + 1)
         if np.array_equal(deeper, order):
             break
         order = deeper

@@ -1,6 +1,6 @@
 """Connections between the separate closed surfaces of a tree's limbs.
 
-A modelled tree is often a set of tubes, each with its base inside the limb that bears it, and its twigs cross
+A modelled tree is often a set of tubes, each with its base inside its parent limb, and its twigs cross
 each other. What tells a base from a crossing is how deep it lies inside a larger limb.
 """
 
@@ -18,9 +18,9 @@ from galewood.skeleton.levels import EDGES_OF_TRIANGLE
 from galewood.util import Floats, Ints
 
 MAX_GAP_SHARE = 0.03
-"""Largest gap between a limb and the one that bears it, relative to the height; else the nearest one does."""
+"""Largest gap between a limb and its parent, relative to the height; else the nearest limb is the parent."""
 MAX_DEPTH_RATIO = 3.0
-"""Deepest that a limb reaches into the one that bears it, relative to the mean radius of that one."""
+"""Deepest that a limb reaches into its parent, relative to the parent's mean radius."""
 MOST_PIECES = 16
 """Of an edge: its points are about a mean diameter of the limb apart."""
 

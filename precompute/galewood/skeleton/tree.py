@@ -158,10 +158,10 @@ def _spurs(tree: Tree, branch: Ints, radius_m: Floats) -> np.ndarray:
     """Points of terminal branches that barely protrude from tsuccessor parent."""
     drop = np.zeros(len(branch), dtype=bool)
     far = reach(tree.points_m, tree.parent)
-    bears = np.unique(branch[tree.parent[1:]][branch[1:] != branch[tree.parent[1:]]])
+    parents = np.unique(branch[tree.parent[1:]][branch[1:] != branch[tree.parent[1:]]])
     for number in range(1, int(branch.max()) + 1):
         own = np.flatnonzero(branch == number)
-        if number not in bears and _within(tree, radius_m, own, float(far[own[0]])):
+        if number not in parents and _within(tree, radius_m, own, float(far[own[0]])):
             drop[own] = True
     return drop
 

@@ -58,7 +58,7 @@ export class ImpostorLibrary {
     return atlas?.complete ? atlas : null;
   }
 
-  /** Whether the trees bear leaves; the atlases are baked again. */
+  /** Whether the trees have leaves; the atlases are baked again. */
   setLeafless(leafless: boolean): void {
     if (leafless === this.leafless) return;
     this.leafless = leafless;

@@ -35,7 +35,7 @@ const MAX_DRAG_POINTS = 32;
 const MAX_GUST_PLACES = 32;
 const MAX_GUST_OSCILLATORS = 64;
 
-/** Whether a tree bears its leaves: a bare tree has only the mass and the wind area of its wood. */
+/** Whether a tree has its leaves: a bare tree has only the mass and the wind area of its wood. */
 export type Foliage = "leaf" | "bare";
 
 export interface Primitive {
