@@ -24,7 +24,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species golden audit clean
+.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -95,6 +95,7 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-cache
+	$(BIN)/python scripts/write_page_types.py --check
 	web/node_modules/.bin/pyright
 	cd web && npm run --silent lint && npm run --silent typecheck
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
@@ -141,13 +142,14 @@ species: web/node_modules/.stamp build/.kernels ## grow the three species again,
 	cd web && npm run --silent grow
 	$(BIN)/galewood ship
 
+page-types: $(VENV)/.base ## write the page's types of the REST interface again
+	$(BIN)/python scripts/write_page_types.py
+
 golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make
 	$(BIN)/python -m tests.golden.make_drawn
 	$(BIN)/python -m tests.golden.make_gusts
-	$(BIN)/python -m tests.golden.make_inventory
 	$(BIN)/python -m tests.golden.make_linear
-	$(BIN)/python -m tests.golden.make_measured
 	$(BIN)/python -m tests.golden.make_pull
 	$(BIN)/python -m tests.golden.make_walks
 	$(BIN)/python -m tests.golden.make_wind

@@ -6,14 +6,9 @@ import json
 from typing import Any
 
 import pytest
-import typer
-from galewood.cli import app
-from galewood.options import BuildRequest
-from galewood.pipeline.options import BuildOptions, build_options
+from galewood.pipeline.options import BuildOptions
 from galewood.wood.species import SPECIES
-from galewood_server.http import IMPORT_FIELDS
-from galewood_server.http.multipart import FIELDS, UPLOAD_FORM
-from galewood_server.http.schemas import BuildSettings, JobRequest
+from galewood_server.http.schemas import JobRequest
 from pydantic import ValidationError
 
 
@@ -21,8 +16,7 @@ def options_of(settings: dict[str, Any]) -> BuildOptions:
     """Build options of a request body, via JSON in the database."""
     body = json.dumps({"tree_id": "x", "settings": settings})
     request = JobRequest.model_validate(json.loads(body))
-    kept = json.loads(json.dumps(request.settings.model_dump(exclude_none=True)))
-    return build_options(BuildRequest.model_validate(kept))
+    return BuildOptions.model_validate(json.loads(json.dumps(request.settings.given())))
 
 
 def test_all_settings_reach_the_build() -> None:
@@ -31,19 +25,19 @@ def test_all_settings_reach_the_build() -> None:
          "target_tets": 3000, "sampled_elements": 135, "design_speed_m_s": 12.5, "frames": 90, "modes": 24,
          "wood": {"name": "Stiff", "based_on": "maple", "young_longitudinal_pa": 2e10}}
     )  # fmt: skip
-    mesh_import = options.mesh_import
-    assert (mesh_import.species, mesh_import.height_m, mesh_import.up_axis) == ("maple", 9.0, "z")
-    assert mesh_import.wood == ("Bark", "Twig") and options.seed == 7
+    assert (options.species, options.height_m, options.up_axis) == ("maple", 9.0, "z")
+    assert options.wood_materials == ["Bark", "Twig"] and options.seed == 7
     assert (options.target_tets, options.sampled_elements) == (3000, 135)
     assert (options.design_speed_m_s, options.frames) == (12.5, 90)
     assert options.table.modes == 24
-    assert options.wood is not None and options.wood.young_longitudinal_pa == 2e10
-    assert options.wood.density_kg_m3 == SPECIES["maple"].density_kg_m3
+    wood = options.own_wood
+    assert wood is not None and wood.young_longitudinal_pa == 2e10
+    assert wood.density_kg_m3 == SPECIES["maple"].density_kg_m3
 
 
 def test_choices_of_pieces_reach_the_import() -> None:
-    found = options_of({"leaves": ["1.0"], "drop": ["ground", "2.0"], "tree": 2}).mesh_import
-    assert (found.leaves, found.drop, found.tree) == (("1.0",), ("ground", "2.0"), 2)
+    found = options_of({"leaves": ["1.0"], "drop": ["ground", "2.0"], "tree": 2})
+    assert (found.leaves, found.drop, found.tree) == (["1.0"], ["ground", "2.0"], 2)
 
 
 def test_missing_settings_are_the_defaults() -> None:
@@ -60,21 +54,7 @@ def test_invalid_settings_are_rejected(settings: dict[str, Any]) -> None:
         options_of(settings)
 
 
-def test_command_line_rest_and_python_have_the_same_options() -> None:
-    command = typer.main.get_command(app).commands["build"]  # type: ignore[attr-defined]
-    options = {name for parameter in command.params for name in parameter.opts}
-    for name in BuildRequest.model_fields:
-        assert f"--{name.replace('_', '-')}" in options
-    assert set(BuildSettings.model_fields) == set(BuildRequest.model_fields)
-
-
-def test_the_form_of_an_upload_has_every_import_option() -> None:
-    assert set(FIELDS) == {"name", *IMPORT_FIELDS}
-    schema = UPLOAD_FORM["requestBody"]["content"]["multipart/form-data"]["schema"]
-    assert set(schema["properties"]) == {"file", *FIELDS}
-
-
 def test_options_of_scanned_trees_reach_the_import() -> None:
-    found = options_of({"dbh_cm": 31.5, "min_radius_mm": 0, "bare": True}).mesh_import
+    found = options_of({"dbh_cm": 31.5, "min_radius_mm": 0, "bare": True})
     assert (found.dbh_cm, found.min_radius_mm, found.bare) == (31.5, 0.0, True)
-    assert not options_of({}).mesh_import.bare
+    assert not options_of({}).bare

@@ -174,7 +174,6 @@ describe("remaining time", () => {
 test("errors of a computation say what to do", () => {
   expect(faultOf({ error: "The mesh has no trunk. Check the up axis." })).toBe("The mesh has no trunk. Check the up axis.");
   expect(faultOf({ error: "The process ended" })).toMatch(/^The process ended Try again\./);
-  expect(faultOf({ error: { title: "No memory.", hint: "Send fewer faces." } })).toBe("No memory. Send fewer faces.");
   expect(faultOf({ error: null })).toMatch(/Try again/);
 });
 

@@ -2,6 +2,7 @@
 
 import type { WindState } from "galewood/wind";
 import { fetchApi, Problem } from "../server/api";
+import type { Schemas } from "../server/schema";
 import { decodeTracks, type Tracks } from "./tracks";
 
 export interface Asked {
@@ -14,15 +15,7 @@ export interface Asked {
   readonly frames: number;
 }
 
-interface Comparison {
-  readonly id: string;
-  readonly state: string;
-  readonly fraction: number;
-  readonly message: string;
-  readonly seconds_left: number | null;
-  readonly error: string | null;
-  readonly tracks: string | null;
-}
+type Comparison = Schemas["ComparisonOut"];
 
 export interface Waiting {
   progress(fraction: number, words: string): void;

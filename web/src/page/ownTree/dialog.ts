@@ -11,6 +11,7 @@ import {
   type ReportedTree,
   startPrecompute,
 } from "../server/api";
+import { IMPORT_LIMITS } from "../server/schema";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
 import { type Assumed, assumedOf } from "./assumed";
@@ -125,7 +126,7 @@ export class OwnTreeDialog {
     const wood = select(woods, assumed.species.value || "default", (value) =>
       this.change({ species: value }),
     );
-    const height = numberField(assumed.height_m, { min: 0.5, max: 150, step: 0.1 }, (value) =>
+    const height = numberField(assumed.height_m, { ...IMPORT_LIMITS.height_m, step: 0.1 }, (value) =>
       this.change({ height_m: value }),
     );
     this.lacksWood ||= assumed.addedWood !== null; // the choice stays once wood has been left out

@@ -22,10 +22,10 @@ export function numberField(
   return made;
 }
 
-export function select(
-  choices: readonly (readonly [id: string, words: string])[],
+export function select<Id extends string>(
+  choices: readonly (readonly [id: Id, words: string])[],
   value: string,
-  chosen: (value: string) => void,
+  chosen: (value: Id) => void,
 ): HTMLSelectElement {
   const made = make("select");
   for (const [id, words] of choices) {
@@ -34,7 +34,7 @@ export function select(
     made.append(option);
   }
   made.value = value;
-  made.addEventListener("change", () => chosen(made.value));
+  made.addEventListener("change", () => chosen(made.value as Id));
   return made;
 }
 

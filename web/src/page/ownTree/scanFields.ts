@@ -1,5 +1,6 @@
 /** What can be corrected only in a scanned tree. Its parts are known. */
 import type { Assumptions } from "../server/api";
+import { IMPORT_LIMITS } from "../server/schema";
 import type { Scan } from "./assumed";
 import { numberField, row, select } from "./formRows";
 
@@ -7,11 +8,11 @@ export function scanFields(
   { dbh_cm, min_radius_mm, dropped, bare }: Scan,
   change: (assumptions: Assumptions) => void,
 ): HTMLElement[] {
-  const diameter = numberField(dbh_cm, { min: 1, max: 1500, step: 0.1 }, (value) =>
+  const diameter = numberField(dbh_cm, { ...IMPORT_LIMITS.dbh_cm, step: 0.1 }, (value) =>
     change({ dbh_cm: value }),
   );
   diameter.disabled = dbh_cm === null;
-  const least = numberField(min_radius_mm, { min: 0, max: 500, step: 0.5 }, (value) =>
+  const least = numberField(min_radius_mm, { ...IMPORT_LIMITS.min_radius_mm, step: 0.5 }, (value) =>
     change({ min_radius_mm: value }),
   );
   const choices = [

@@ -1,51 +1,16 @@
 /** Client of the server's REST API. */
 
-import type { Form } from "../../scene/forms";
+import type { Schemas } from "./schema";
 import { type Sending, sendBody } from "./sending";
 
-export type TreeState = "uploaded" | "building" | "preliminary" | "ready" | "failed";
-export type JobState = "queued" | "running" | "done" | "failed" | "cancelled";
-
-export interface Tree {
-  id: string;
-  name: string;
-  species: string | null;
-  builtin: boolean;
-  /** Grown in the open, or slender between other trees; a built-in species may have both. */
-  form?: Form;
-  state: TreeState;
-  height_m: number | null;
-  table_sha256: string | null;
-  /** The table of the same mesh without its leaves, for the winter. */
-  bare_table_sha256?: string | null;
-  /** Records of the paper's method that belong to the table; a table may also hold them itself. */
-  records_sha256?: string | null;
-  /** How the tree yields to forces at its points; fetched when it is pulled. */
-  compliance_sha256?: string | null;
-  mesh_sha256: string | null;
-  job_id: string | null;
-  created_at: string;
-  /** Changes with every change of the tree, also of its report. */
-  updated_at: string;
-}
-
+export type Tree = Schemas["TreeSummary"];
 /** A tree with the report of its import and its build, as one is asked for; lists and events have none. */
-export interface ReportedTree extends Tree {
-  report: Record<string, unknown> | null;
-}
-
-export interface Job {
-  id: string;
-  tree_id: string;
-  state: JobState;
-  stage: string;
-  fraction: number;
-  message: string;
-  seconds_left: number | null;
-  /** Names and hashes of the pictures that the build has published so far. */
-  pictures?: Record<string, string>;
-  error: { title?: string; hint?: string } | string | null;
-}
+export type ReportedTree = Schemas["TreeOut"];
+export type Job = Schemas["JobOut"];
+/** Corrections of an upload; null restores the detected value. */
+export type Assumptions = Schemas["TreeChanges"];
+type BuildSettings = Schemas["BuildSettings"];
+type WoodSpecies = Schemas["WoodSpeciesOut"];
 
 export const isActive = (job: Job | null): job is Job => job?.state === "queued" || job?.state === "running";
 
@@ -140,37 +105,11 @@ export async function fetchTree(id: string): Promise<ReportedTree> {
   return (await (await fetchApi(`api/trees/${encodeURIComponent(id)}`)).json()) as ReportedTree;
 }
 
-/** What can be chosen about a computation; null: the default. */
-export interface BuildSettings {
-  /** First frequency to which the stiffness is scaled. */
-  first_frequency_hz?: number | null;
-}
-
 export async function startPrecompute(treeId: string, settings: BuildSettings = {}): Promise<Job> {
   const path = `api/trees/${encodeURIComponent(treeId)}/precompute`;
   const body = JSON.stringify({ settings });
   const init = { method: "POST", headers: { "content-type": "application/json" }, body };
   return (await (await fetchApi(path, init)).json()) as Job;
-}
-
-/** Corrections of an upload; null restores the detected value. */
-export interface Assumptions {
-  name?: string | null;
-  species?: string | null;
-  height_m?: number | null;
-  up_axis?: string | null;
-  /** Names or ids of pieces, like the two lists below. */
-  wood_materials?: string[] | null;
-  leaves?: string[] | null;
-  drop?: string[] | null;
-  /** Which tree of a file with several. */
-  tree?: number | null;
-  /** Whether wood is added where foliage has none. */
-  complete?: boolean | null;
-  /** Of a scanned tree, like the fields below: diameter of the trunk at 1.3 m. */
-  dbh_cm?: number | null;
-  min_radius_mm?: number | null;
-  bare?: boolean | null;
 }
 
 /** Imports the mesh again with these corrections. */
@@ -209,10 +148,8 @@ export async function deleteTree(treeId: string): Promise<void> {
 }
 
 /** The wood species that a tree can be assigned. */
-export async function knownSpecies(): Promise<{ id: string; name: string }[]> {
-  const answer = (await (await fetchApi("api/species")).json()) as {
-    species: { id: string; name: string }[];
-  };
+export async function knownSpecies(): Promise<WoodSpecies[]> {
+  const answer = (await (await fetchApi("api/species")).json()) as Schemas["WoodSpeciesList"];
   return answer.species;
 }
 

@@ -2,7 +2,7 @@
 
 import { fetchTree, type ReportedTree, type Tree } from "./api";
 
-type Report = ReportedTree["report"];
+type Report = ReportedTree["report"] | null;
 
 interface Fetched {
   /** Of the tree when it was fetched. */
