@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import galewood
 import numpy as np
 import pytest
 import trimesh
@@ -20,7 +21,8 @@ from galewood.export import KINDS, ExportError, ExportOptions, archive, write_ex
 from galewood.export.looped import Loop, looped
 from galewood.export.pivots import packed_index, unpacked_index
 from galewood.player import WindDrivenTrees, periodic_motion
-from galewood.table import Table, decode, drawn_positions
+from galewood.skinning import drawn_positions
+from galewood.table import Table, decode
 from galewood.wind import Wind, WindField
 from PIL import Image
 from typer.testing import CliRunner
@@ -265,6 +267,15 @@ def test_usd_without_its_package_says_what_to_install(
         write_export(
             exports.table, SHIPPED.with_suffix(".glb").read_bytes(), "usd", tmp_path, "tree", OPTIONS
         )
+
+
+def test_the_public_function_takes_the_options_as_keywords(exports: Exports, tmp_path: Path) -> None:
+    table = galewood.MotionTable(SHIPPED.read_bytes(), SHIPPED.with_suffix(".glb").read_bytes())
+    told = galewood.export_tree(table, to="glb", out=tmp_path, wind=WIND, loop_s=2.0, fps=12.0)
+    assert told == exports.told["glb"]
+    assert (tmp_path / "tree.glb").read_bytes() == (exports.folder / "glb" / "tree.glb").read_bytes()
+    with pytest.raises(TypeError, match="frames"):
+        galewood.export_tree(table, to="glb", out=tmp_path, frames=3)  # type: ignore[call-arg]
 
 
 def test_trimesh_reads_the_meshes(exports: Exports) -> None:
