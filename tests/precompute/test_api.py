@@ -174,7 +174,7 @@ def test_options_are_checked(tree: galewood.Tree, mesh: Path, tmp_path: Path) ->
     with pytest.raises(ValidationError):
         galewood.build(tree, cache_dir=tmp_path, modes=1)
     with pytest.raises(ValidationError):
-        galewood.build(tree, cache_dir=tmp_path, no_such_option=1)
+        galewood.build(tree, cache_dir=tmp_path, no_such_option=1)  # pyright: ignore[reportCallIssue]
     with pytest.raises(ValidationError):
         galewood.read(mesh, species="marble")
     broken = tmp_path / "tree.glb"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeVar
 
+from galewood.options import MAX_HEIGHT_M, MIN_HEIGHT_M
 from galewood.wood import SPECIES
 
 Season = Literal["leaf", "bare"]
@@ -35,7 +36,12 @@ UNITS: dict[str, dict[str, float]] = {
     "dbh": {"": 1.0, "cm": 1.0, "m": 100.0, "mm": 0.1},
 }
 """Accepted units after the name, and their value in Hz, 1, m and cm."""
-RANGES = {"frequency": (0.01, 50.0), "damping": (0.0, 1.0), "height": (0.5, 150.0), "dbh": (0.5, 1500.0)}
+RANGES = {
+    "frequency": (0.01, 50.0),
+    "damping": (0.0, 1.0),
+    "height": (MIN_HEIGHT_M, MAX_HEIGHT_M),
+    "dbh": (0.5, 1500.0),
+}
 """Exclusive lower and inclusive upper limits in those units."""
 SEASONS: dict[str, Season] = {
     "leaf": "leaf", "leaves": "leaf", "inleaf": "leaf", "leafon": "leaf", "summer": "leaf",
