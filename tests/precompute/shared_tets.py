@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from galewood.mesh.importer import read_tree
 from galewood.options import ImportRequest
-from galewood.tets.meshing import kept_tetrahedra, tetrahedralise
+from galewood.tets.meshing import cached_tetrahedra_path, tetrahedralise
 
 from tests.precompute.tree_meshes import BRANCHES, Surface, cards, glb_bytes, y_tree
 
@@ -49,6 +49,6 @@ def cache_with_tets(
     with (shared / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # one meshes, the others wait for it
         tree = read_tree(small_tree_glb(), "tree.glb", ImportRequest(species="maple", height_m=height_m))
-        if not kept_tetrahedra(tree, TARGET_TETS, shared / "tets").exists():
+        if not cached_tetrahedra_path(tree, TARGET_TETS, shared / "tets").exists():
             tetrahedralise(tree, TARGET_TETS, shared / "tets")
     return folder

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.util.atomic_file import write_arrays, write_whole
+from galewood.util.atomic_file import write_arrays, write_atomically
 
 
 def test_failed_write_leaves_only_the_old_file(tmp_path: Path) -> None:
     target = tmp_path / "folder" / "file"
-    write_whole(target, b"old")
+    write_atomically(target, b"old")
     with pytest.raises(TypeError):
-        write_whole(target, "no bytes")  # pyright: ignore[reportArgumentType]
+        write_atomically(target, "no bytes")  # pyright: ignore[reportArgumentType]
     assert target.read_bytes() == b"old"
     assert list(target.parent.iterdir()) == [target]
 
@@ -21,7 +21,7 @@ def test_concurrent_writes_leave_one_complete_file(tmp_path: Path) -> None:
     target = tmp_path / "file"
     contents = [bytes([k]) * 100_000 for k in range(16)]
     with ThreadPoolExecutor(8) as pool:
-        list(pool.map(lambda content: write_whole(target, content), contents))
+        list(pool.map(lambda content: write_atomically(target, content), contents))
     assert target.read_bytes() in contents
     assert list(tmp_path.iterdir()) == [target]
 

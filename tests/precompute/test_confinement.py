@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from galewood.mesh.importer import read_tree
 from galewood.sandbox import confinement, system_calls
-from galewood.sandbox.confinement import missing_here
+from galewood.sandbox.confinement import unavailable_restrictions
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
 from PIL import Image
 
@@ -31,7 +31,9 @@ HERE = "tests.precompute.test_confinement"
 DENIED = {"EPERM", "EACCES", "ENOSYS", "EXDEV"}
 REACHED = {"EFAULT", "EBADF", "EINVAL", "ENOKEY", "ENOENT", "ESRCH", "E2BIG"}
 """Errors of calls that the kernel has begun: these probes have arguments that do no harm."""
-confined = pytest.mark.skipif(bool(missing_here()), reason="this kernel has no Landlock or no seccomp")
+confined = pytest.mark.skipif(
+    bool(unavailable_restrictions()), reason="this kernel has no Landlock or no seccomp"
+)
 
 
 @pytest.fixture
@@ -208,7 +210,7 @@ end.set()
 
 
 def test_missing_restrictions_are_described():
-    assert all(isinstance(line, str) and line for line in missing_here())
+    assert all(isinstance(line, str) and line for line in unavailable_restrictions())
 
 
 def test_each_restriction_that_fails_is_named(tmp_path, monkeypatch):

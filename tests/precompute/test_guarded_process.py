@@ -15,7 +15,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from galewood.util import BrokenOffError, GuardedProcess
+from galewood.util import AbortedError, GuardedProcess
 
 # A family that keeps growing: each process starts children in sessions of their own, whose parents then end.
 GROWING = """
@@ -154,7 +154,7 @@ def test_a_process_ends_while_a_thread_waits_for_it(folder: Path) -> None:
         wait_for_members(folder, 10)
         GuardedProcess.end_all()
         assert not living(folder)
-        with pytest.raises(BrokenOffError):
+        with pytest.raises(AbortedError):
             waiting.result(60)
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from galewood.verify.checks import absolute, relative, skipped
-from galewood.verify.run import MARKERS, markdown, written_into
+from galewood.verify.run import MARKERS, insert_table, markdown
 from galewood.verify.species_checks import (
     against_nature,
     against_reference,
@@ -63,7 +63,7 @@ def test_the_table_replaces_the_text_between_its_markers():
         "skipped; no reason |",
     ]
     page = f"before\n{MARKERS[0]}\nold\n{MARKERS[1]}\nafter\n"
-    again = written_into(written_into(page, table), table)
+    again = insert_table(insert_table(page, table), table)
     assert again == f"before\n{MARKERS[0]}\n{table}\n{MARKERS[1]}\nafter\n"
     with pytest.raises(ValueError, match="no lines"):
-        written_into("nothing", table)
+        insert_table("nothing", table)

@@ -19,7 +19,7 @@ from galewood.api.trees import Tree
 from galewood.mesh import read_glb
 from galewood.pipeline import BuildOptions, Progress, bare_path, build_tree
 from galewood.table import Foliage, Table, decode
-from galewood.util import Floats, Ints, write_whole
+from galewood.util import Floats, Ints, write_atomically
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,11 @@ class MotionTable:
         The bare table, if there is one, is written beside tree.gwt as tree.bare.gwt, with its mesh.
         """
         path = Path(path)
-        write_whole(path, self.data)
+        write_atomically(path, self.data)
         if self.bare is not None:
             self.bare.save(bare_path(path))
         if self.render_glb is not None:
-            write_whole(path.with_suffix(".glb"), self.render_glb)
+            write_atomically(path.with_suffix(".glb"), self.render_glb)
 
 
 class BuildCall(BuildOptions):

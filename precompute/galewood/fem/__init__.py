@@ -10,20 +10,20 @@ from galewood.util import lazily
 
 if TYPE_CHECKING:
     from galewood.fem.assembly import ElementSystem
-    from galewood.fem.damping import damping_report, rayleigh, shown_ratio
+    from galewood.fem.damping import damping_report, effective_damping_ratio, rayleigh
     from galewood.fem.drag import LEAST_PROFILE, Drag
     from galewood.fem.dynamics import Simulator
     from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
     from galewood.fem.factor import TangentFactor, solve_factor, tangent_factor
-    from galewood.fem.foundation import on_springs, with_ground_reaction
+    from galewood.fem.foundation import with_ground_reaction, with_root_springs
     from galewood.fem.model import FemModel, load_model, save_model
     from galewood.fem.modes import Modes, natural_modes, tangent_modes
-    from galewood.fem.prestress import rest_prestress, strain_under
+    from galewood.fem.prestress import rest_prestress, strain_displacements
     from galewood.fem.quadratic import elevate, midside_parents, node_mass_shares
     from galewood.fem.solver import NotPositiveDefinite
     from galewood.fem.statics import (
+        ExcessiveSagError,
         RestPose,
-        SagsTooFar,
         gravity_rest_pose,
         loaded_pose,
         solve_static,
@@ -37,7 +37,7 @@ __getattr__ = lazily(
         "ElementSystem": "galewood.fem.assembly",
         "damping_report": "galewood.fem.damping",
         "rayleigh": "galewood.fem.damping",
-        "shown_ratio": "galewood.fem.damping",
+        "effective_damping_ratio": "galewood.fem.damping",
         "LEAST_PROFILE": "galewood.fem.drag",
         "Drag": "galewood.fem.drag",
         "Simulator": "galewood.fem.dynamics",
@@ -48,7 +48,7 @@ __getattr__ = lazily(
         "TangentFactor": "galewood.fem.factor",
         "solve_factor": "galewood.fem.factor",
         "tangent_factor": "galewood.fem.factor",
-        "on_springs": "galewood.fem.foundation",
+        "with_root_springs": "galewood.fem.foundation",
         "with_ground_reaction": "galewood.fem.foundation",
         "FemModel": "galewood.fem.model",
         "load_model": "galewood.fem.model",
@@ -57,13 +57,13 @@ __getattr__ = lazily(
         "natural_modes": "galewood.fem.modes",
         "tangent_modes": "galewood.fem.modes",
         "rest_prestress": "galewood.fem.prestress",
-        "strain_under": "galewood.fem.prestress",
+        "strain_displacements": "galewood.fem.prestress",
         "elevate": "galewood.fem.quadratic",
         "midside_parents": "galewood.fem.quadratic",
         "node_mass_shares": "galewood.fem.quadratic",
         "NotPositiveDefinite": "galewood.fem.solver",
         "RestPose": "galewood.fem.statics",
-        "SagsTooFar": "galewood.fem.statics",
+        "ExcessiveSagError": "galewood.fem.statics",
         "loaded_pose": "galewood.fem.statics",
         "weightless_pose": "galewood.fem.statics",
         "gravity_rest_pose": "galewood.fem.statics",
@@ -83,7 +83,7 @@ __all__ = [
     "Modes",
     "NotPositiveDefinite",
     "RestPose",
-    "SagsTooFar",
+    "ExcessiveSagError",
     "Scheme",
     "Simulator",
     "Support",
@@ -98,15 +98,15 @@ __all__ = [
     "moduli",
     "natural_modes",
     "node_mass_shares",
-    "on_springs",
+    "with_root_springs",
     "rayleigh",
     "rest_prestress",
     "save_model",
-    "shown_ratio",
+    "effective_damping_ratio",
     "solve_factor",
     "solve_static",
     "stiffness_blocks",
-    "strain_under",
+    "strain_displacements",
     "supporting_factors",
     "tangent_factor",
     "tangent_modes",

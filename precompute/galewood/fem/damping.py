@@ -17,7 +17,7 @@ def rayleigh_ratio(alpha: float, beta: float, omega: float) -> float:
     return alpha / (2 * omega) + beta * omega / 2
 
 
-def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
+def effective_damping_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
     """Effective damping ratio, including the time-stepping scheme, of a linear mode.
 
     `omega` is its angular frequency, 1/s, and `ratio` its physical damping ratio.
@@ -41,6 +41,6 @@ def damping_report(
     return {
         "target": target,
         "rayleigh": by_rayleigh,
-        "numerical": shown_ratio(settings, omega, 0.0),
-        "shown": shown_ratio(settings, omega, by_rayleigh),
+        "numerical": effective_damping_ratio(settings, omega, 0.0),
+        "shown": effective_damping_ratio(settings, omega, by_rayleigh),
     }

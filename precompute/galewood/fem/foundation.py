@@ -22,7 +22,7 @@ EXACT_WEIGHT = 1e4
 """Weight of the conditions on the springs where some would have to be negative."""
 
 
-def on_springs(model: FemModel, root_stiffness_nm_rad: float) -> FemModel:
+def with_root_springs(model: FemModel, root_stiffness_nm_rad: float) -> FemModel:
     """The model on a root plate of this rotational stiffness, N·m/rad, instead of clamped nodes."""
     springs = np.zeros(len(model.nodes_m))
     springs[model.fixed] = base_springs(model, root_stiffness_nm_rad)

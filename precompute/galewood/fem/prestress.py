@@ -45,7 +45,7 @@ def _strained(model: FemModel, strain_m: Floats) -> Floats:
     return np.einsum("eij,eaj->eai", _gradient(strain_m, model.grad), rest - rest[:, :1])
 
 
-def strain_under(model: FemModel, u_m: Floats) -> Floats:
+def strain_displacements(model: FemModel, u_m: Floats) -> Floats:
     """(m, 4|10, 3) displacements u (N,3) of each element's nodes, m, without its infinitesimal rotation."""
     bent = replace(model, u_rest=u_m)
     gradient = mean_gradient(bent)

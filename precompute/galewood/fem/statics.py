@@ -19,7 +19,7 @@ MOST_PER_STEP, SMALLEST_STEP = 20, 1 / 64
 """Linear solutions before a load step is halved, and the smallest step over the whole load."""
 
 
-class SagsTooFar(ArithmeticError):
+class ExcessiveSagError(ArithmeticError):
     """The static equilibrium is farther from the given shape than a real tree's would be."""
 
 
@@ -34,13 +34,13 @@ class RestPose(NamedTuple):
 def gravity_rest_pose(system: ElementSystem, gravity_n: Floats, height_m: float) -> RestPose:
     """Static equilibrium under gravity by Newton's method; nodes in mesh order.
 
-    Raises SagsTooFar if the tree would collapse, or hang far from its given shape.
+    Raises ExcessiveSagError if the tree would collapse, or hang far from its given shape.
     """
     u, iterations, converged = solve_static(system, gravity_n)
     sag = float(np.abs(u).max()) / height_m if np.isfinite(u).all() else float("inf")
     if converged and sag <= LARGEST_SAG:
         return RestPose(u, gravity_n, {"kind": "sagged", "sag_fraction": sag, "iterations": iterations})
-    raise SagsTooFar
+    raise ExcessiveSagError
 
 
 def loaded_pose(system: ElementSystem, gravity_n: Floats) -> Floats:

@@ -21,7 +21,7 @@ from galewood.field.simulated import tree_of_file
 from galewood.field.summary import summarised
 from galewood.field.sway_mode import main_sway_mode
 from galewood.options import BuildRequest
-from galewood.util import Cancelled, MeshError, WorkerPool, write_whole
+from galewood.util import Cancelled, MeshError, WorkerPool, write_atomically
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply", ".stl", ".mat", ".csv")
 OUTPUT = "field-report"
@@ -80,16 +80,16 @@ def run_field(
         for tree in _results(tasks, options.jobs):
             trees.append(tree)
             name = re.sub(r"[^\w.-]", "_", f"{tree['tree']}-{tree['season']}.json")
-            write_whole(output / "trees" / name, _json(tree))
+            write_atomically(output / "trees" / name, _json(tree))
             on_progress(len(trees) / len(tasks), f"{len(trees)} of {len(tasks)}: {tree['tree']}")
     except (KeyboardInterrupt, Cancelled):
         interrupted = True
     report = _report(folder, table, tasks, trees, missing, options, interrupted)
-    write_whole(output / "report.json", _json(report))
+    write_atomically(output / "report.json", _json(report))
     if report["trees"]:
         figure = scatter_figure(report)
         figure.savefig(output / "scatter.png", dpi=110)
-    write_whole(output / "report.html", html_page(report, output / "scatter.png").encode())
+    write_atomically(output / "report.html", html_page(report, output / "scatter.png").encode())
     return report
 
 

@@ -16,9 +16,9 @@ from galewood.fem import (
     midside_parents,
     moduli,
     node_mass_shares,
-    on_springs,
     rayleigh,
     stiffness_blocks,
+    with_root_springs,
 )
 from galewood.model.calibration import fit_factors, reference_target
 from galewood.model.effective_mass import sway_report
@@ -194,7 +194,7 @@ def _finished(
 ) -> FemModel:
     """The model on its foundation, with rest pose, frequencies (also without leaves) and damping."""
     if (stiffness := model.settings.root_stiffness_nm_rad) is not None:
-        model = on_springs(model, stiffness)
+        model = with_root_springs(model, stiffness)
         report = {**report, "root_stiffness_nm_rad": stiffness}
     system = model.system()
     resting = at_rest(model, system, limbs)

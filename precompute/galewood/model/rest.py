@@ -14,17 +14,17 @@ import numpy as np
 
 from galewood.fem import (
     ElementSystem,
+    ExcessiveSagError,
     FemModel,
     Modes,
     NotPositiveDefinite,
     RestPose,
-    SagsTooFar,
     Support,
     gravity_rest_pose,
     loaded_pose,
     natural_modes,
     rest_prestress,
-    strain_under,
+    strain_displacements,
     supporting_factors,
     weightless_pose,
     with_ground_reaction,
@@ -59,7 +59,7 @@ def at_rest(model: FemModel, system: ElementSystem, limbs: Limbs) -> Resting:
     _unload(model, system)
     try:
         return _sagged(model, system)
-    except (SagsTooFar, NotPositiveDefinite):
+    except (ExcessiveSagError, NotPositiveDefinite):
         pass
     try:
         return _loaded(model, system, {"kind": "loaded"})
@@ -79,7 +79,7 @@ def _sagged(model: FemModel, system: ElementSystem) -> Resting:
 def _loaded(model: FemModel, system: ElementSystem, report: dict[str, Any]) -> Resting:
     """In the given shape, with the strain that balances it. Raises NotPositiveDefinite if it falls."""
     u_m = _bearing(model, system)
-    loaded = replace(model, strain_m=strain_under(model, u_m))
+    loaded = replace(model, strain_m=strain_displacements(model, u_m))
     system.set_strain(_given(loaded))
     pose = RestPose(np.zeros_like(model.u_rest), with_ground_reaction(model, u_m), report)
     return _resting(loaded, system, pose)
@@ -87,7 +87,7 @@ def _loaded(model: FemModel, system: ElementSystem, report: dict[str, Any]) -> R
 
 def _supported(model: FemModel, system: ElementSystem, limbs: Limbs) -> Resting:
     """In the given shape, with limbs stiffened to carry it. Raises NotPositiveDefinite if it falls."""
-    loaded = replace(model, strain_m=strain_under(model, _bearing(model, system)))
+    loaded = replace(model, strain_m=strain_displacements(model, _bearing(model, system)))
     support = supporting_factors(system, rest_prestress(loaded), limbs.limb)
     if not support.stands:
         raise NotPositiveDefinite("the tree cannot carry its weight at any stiffness")

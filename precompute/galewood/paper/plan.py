@@ -16,7 +16,7 @@ from typing import Any
 from galewood.options import USUAL_TETS
 from galewood.pipeline import BuildOptions, build_table
 from galewood.table import Table, decode, encode, without_gusts
-from galewood.util import write_whole
+from galewood.util import write_atomically
 
 OnProgress = Callable[[float, str], None]
 
@@ -92,14 +92,14 @@ class Notes:
         """Return the JSON-able result of ``make``, cached while code, plan and ``depends`` stay the same."""
         path = self._path(f"{name}-", depends, ".json")
         if not path.exists():
-            write_whole(path, json.dumps(make(), default=float).encode())
+            write_atomically(path, json.dumps(make(), default=float).encode())
         return json.loads(path.read_text())
 
     def table(self, name: str, depends: str, make: Callable[[], Table]) -> Table:
         """Return the table that ``make`` builds, cached like the results of ``kept``."""
         path = self._path(f"{name}-", depends, ".gwt")
         if not path.exists():
-            write_whole(path, encode(make()))
+            write_atomically(path, encode(make()))
         return decode(path.read_bytes())
 
     def _path(self, prefix: str, depends: str, suffix: str) -> Path:
@@ -131,6 +131,6 @@ def built(plan: Plan, notes: Notes, species: str, on_progress: OnProgress) -> tu
             progress=lambda p: on_progress(p.fraction, f"{species}: {p.message}"),
             cache_dir=plan.cache_dir,
         )
-        write_whole(path.with_suffix(".glb"), result.render_glb)
-        write_whole(path, result.whole_table())
+        write_atomically(path.with_suffix(".glb"), result.render_glb)
+        write_atomically(path, result.whole_table())
     return without_gusts(decode(path.read_bytes())), path, path.with_suffix(".glb")

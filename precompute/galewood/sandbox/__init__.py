@@ -1,7 +1,7 @@
 """Untrusted input is parsed in a sandboxed child process; in: arrays; out: arrays or a MeshError."""
 
-from galewood.sandbox.confinement import missing_here
+from galewood.sandbox.confinement import unavailable_restrictions
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
 from galewood.sandbox.results import remove_folder
 
-__all__ = ["Arrays", "Limits", "missing_here", "remove_folder", "run_limited"]
+__all__ = ["Arrays", "Limits", "unavailable_restrictions", "remove_folder", "run_limited"]

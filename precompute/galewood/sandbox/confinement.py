@@ -90,7 +90,7 @@ def _drop_capabilities() -> bool:
     return ctypes.CDLL(None, use_errno=True).capset(head, (ctypes.c_uint32 * 6)()) == 0
 
 
-def missing_here() -> list[str]:
+def unavailable_restrictions() -> list[str]:
     """Restrictions that `confine` cannot apply on this machine, determined in a separate process."""
     with tempfile.TemporaryDirectory(prefix="galewood-") as folder, tempfile.TemporaryFile() as errors:
         program = [sys.executable, "-m", "galewood.sandbox.confinement", folder]

@@ -1,6 +1,6 @@
 """Tetrahedral meshing; in: the wood surface of a TreeMesh; out: a connected TetMesh."""
 
-from galewood.tets.meshing import FLOOR, TetMesh, kept_tetrahedra, tetrahedralise
+from galewood.tets.meshing import FLOOR, TetMesh, cached_tetrahedra_path, tetrahedralise
 from galewood.tets.quality import FACES_OF_TET, boundary_faces, tet_volumes
 from galewood.tets.radius_ratio import scattered_weights
 
@@ -9,7 +9,7 @@ __all__ = [
     "FLOOR",
     "TetMesh",
     "boundary_faces",
-    "kept_tetrahedra",
+    "cached_tetrahedra_path",
     "scattered_weights",
     "tet_volumes",
     "tetrahedralise",

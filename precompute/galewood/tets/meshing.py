@@ -98,7 +98,7 @@ def tetrahedralise(tree: TreeMesh, target_tets: int = USUAL_TETS, cache_dir: Pat
     return mesh
 
 
-def kept_tetrahedra(tree: TreeMesh, target_tets: int, cache_dir: Path) -> Path:
+def cached_tetrahedra_path(tree: TreeMesh, target_tets: int, cache_dir: Path) -> Path:
     """The file in which `tetrahedralise` caches its mesh; other machines copy it to use the same mesh."""
     return cached_path(cache_dir, cache_key(tree.wood_vertices_m, tree.wood_faces, target_tets))
 

@@ -1,11 +1,11 @@
 """Utilities shared by all stages: array types, errors, atomic files, worker processes."""
 
 from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
-from galewood.util.atomic_file import write_arrays, write_whole
+from galewood.util.atomic_file import write_arrays, write_atomically
 from galewood.util.cancelled import Cancelled
 from galewood.util.delimited import Row, decoded, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
-from galewood.util.guarded_process import BrokenOffError, GuardedProcess, Lifeline
+from galewood.util.guarded_process import AbortedError, GuardedProcess, Lifeline
 from galewood.util.kernel_cache import compile_once, kernels_compiled
 from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
@@ -14,7 +14,7 @@ from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [
     "Array",
-    "BrokenOffError",
+    "AbortedError",
     "Cancelled",
     "Floats",
     "GuardedProcess",
@@ -39,5 +39,5 @@ __all__ = [
     "shown_text",
     "usable_cores",
     "write_arrays",
-    "write_whole",
+    "write_atomically",
 ]

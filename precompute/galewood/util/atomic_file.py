@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 
-def write_whole(target: Path, data: bytes | memoryview) -> None:
+def write_atomically(target: Path, data: bytes | memoryview) -> None:
     """Write a file atomically: write to a temporary file beside the target, flush to disk, then rename.
 
     Readers never see a partial file, even after a crash. The temporary name begins with ".part-" and is
@@ -34,4 +34,4 @@ def write_arrays(target: Path, **arrays: Any) -> None:
     """Write named arrays atomically as an .npz file."""
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, **arrays)
-    write_whole(target, buffer.getbuffer())
+    write_atomically(target, buffer.getbuffer())

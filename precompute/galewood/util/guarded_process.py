@@ -52,7 +52,7 @@ class Lifeline:
         self.close()
 
 
-class BrokenOffError(RuntimeError):
+class AbortedError(RuntimeError):
     """`GuardedProcess.end_all` has ended the process that a thread was waiting for."""
 
 
@@ -84,11 +84,11 @@ class GuardedProcess:
     def wait(self, timeout_s: float) -> int:
         """The exit code, or minus the number of the signal that ended it.
 
-        subprocess.TimeoutExpired; BrokenOffError after `end_all`.
+        subprocess.TimeoutExpired; AbortedError after `end_all`.
         """
         code = self._guard.wait(timeout_s)
         if self._broken_off:
-            raise BrokenOffError
+            raise AbortedError
         return code
 
     def unlinked_bytes(self) -> int:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
-from galewood.util.atomic_file import write_whole
+from galewood.util.atomic_file import write_atomically
 
 PACKAGE = Path(__file__).parents[1]
 MARK_FILE, LOCK_FILE = "galewood-kernels", "galewood-kernels.lock"
@@ -35,7 +35,7 @@ def compile_once(compile_all: Callable[[], None]) -> None:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not _is_marked(folder):
             compile_all()
-            write_whole(folder / MARK_FILE, _state().encode())
+            write_atomically(folder / MARK_FILE, _state().encode())
 
 
 def _cache_folder() -> Path | None:

@@ -65,7 +65,7 @@ def run_checks(scope: Scope, report: Callable[[Check], None] = lambda check: Non
 MARKERS = ("<!-- checks: written by `galewood verify --docs` -->", "<!-- end of checks -->")
 
 
-def written_into(page: str, table: str) -> str:
+def insert_table(page: str, table: str) -> str:
     """Return the page with the table inserted between its markers. Raises ValueError if there are none."""
     begin, end = (page.find(marker) for marker in MARKERS)
     if not 0 <= begin < end:

@@ -3,7 +3,7 @@
 from galewood_server.access.import_limits import MeshImporter, limited_importer
 from galewood_server.access.keys import READ_ONLY_POSTS, WRITE_METHODS, new_key
 from galewood_server.access.middleware import AccessControl
-from galewood_server.access.open_connections import OpenConnections, affordable, counted
+from galewood_server.access.open_connections import OpenConnections, counted, limited_by_descriptors
 from galewood_server.access.origins import is_loopback
 from galewood_server.access.quota import check_quota, count_stored, stored_bytes
 from galewood_server.access.rates import rate_limit_key
@@ -17,7 +17,7 @@ __all__ = [
     "MeshImporter",
     "OpenConnections",
     "Turns",
-    "affordable",
+    "limited_by_descriptors",
     "check_quota",
     "count_stored",
     "counted",

@@ -14,7 +14,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.access.keys import check_writer, is_write
-from galewood_server.access.open_connections import ADDRESS_SHARE, affordable, counted
+from galewood_server.access.open_connections import ADDRESS_SHARE, counted, limited_by_descriptors
 from galewood_server.access.origins import check_host, check_origin
 from galewood_server.access.rates import RateLimits, rate_limit_key
 from galewood_server.http import Problem, ProblemError, problem_from
@@ -88,7 +88,7 @@ class AccessControl:
         if scope["path"] in HEALTH_CHECKS:
             return nullcontext()
         address = rate_limit_key(_client(scope))
-        most = affordable(self._settings.requests_per_address, ADDRESS_SHARE)
+        most = limited_by_descriptors(self._settings.requests_per_address, ADDRESS_SHARE)
         if self._in_progress.get(address, 0) >= most:
             self._metrics.refused.labels("too-many-open-requests").inc()
             raise ProblemError(

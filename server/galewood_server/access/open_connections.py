@@ -19,7 +19,7 @@ CONNECTION_SHARE = 0.5  # of the descriptors: each connection may need another o
 ADDRESS_SHARE = 0.375
 
 
-def affordable(ceiling: int, share: float) -> int:
+def limited_by_descriptors(ceiling: int, share: float) -> int:
     """A ceiling of open connections, lowered to a share of the process's file descriptors."""
     descriptors = _descriptors()
     if descriptors is None:
@@ -105,7 +105,7 @@ class OpenConnections:
         descriptors = _descriptors()
         if descriptors is not None and descriptor >= descriptors - SPARE_DESCRIPTORS:
             return True
-        return len(self._open) >= affordable(self._ceiling, CONNECTION_SHARE)
+        return len(self._open) >= limited_by_descriptors(self._ceiling, CONNECTION_SHARE)
 
     def _make_room(self, address: str) -> bool:
         """Close the connection that has waited longest. False if none waits."""

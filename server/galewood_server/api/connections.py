@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 
 from fastapi import WebSocket
 
-from galewood_server.access import affordable, counted, rate_limit_key
+from galewood_server.access import counted, limited_by_descriptors, rate_limit_key
 from galewood_server.context import Service
 from galewood_server.http import Problem
 
@@ -31,7 +31,7 @@ async def limited_connection(websocket: WebSocket, service: Service) -> AsyncGen
 def streams_exceeded(service: Service, address: str) -> Problem | None:
     """The problem with which another event stream of an address is refused; None if it may open."""
     settings, here = service.settings, service.event_addresses.get(address, 0)
-    full = service.event_streams >= affordable(settings.event_streams, EVENT_SHARE)
+    full = service.event_streams >= limited_by_descriptors(settings.event_streams, EVENT_SHARE)
     if not full and here < settings.event_streams_per_address:
         return None
     return Problem(
@@ -46,7 +46,7 @@ def streams_exceeded(service: Service, address: str) -> Problem | None:
 def _limit_exceeded(websocket: WebSocket, service: Service, address: str) -> Problem | None:
     settings = service.settings
     open_sockets = service.socket_addresses.get(address, 0)
-    full = service.sockets >= affordable(settings.socket_connections, SOCKET_SHARE)
+    full = service.sockets >= limited_by_descriptors(settings.socket_connections, SOCKET_SHARE)
     if full or open_sockets >= settings.socket_connections_per_address:
         return Problem(
             status=503 if full else 429,

@@ -32,8 +32,8 @@ from galewood_server.storage import (
     RawRow,
     Tree,
     job_rows,
+    raw_column,
     tree_rows,
-    unconverted,
 )
 
 router = APIRouter(prefix="/api", tags=["events"])
@@ -147,7 +147,7 @@ class ChangeFeed:
         """The stamps of all trees, and the state of those that changed since the last poll."""
         job_changed = func.max(type_coerce(Job.updated_at, NullType()))
         newest = (
-            select(Tree.id, unconverted(Tree.updated_at), func.count(Job.id), job_changed)
+            select(Tree.id, raw_column(Tree.updated_at), func.count(Job.id), job_changed)
             .outerjoin(Job)
             .group_by(Tree.id)
         )

@@ -21,7 +21,6 @@ from galewood_server.http import (
     TreeList,
     TreeOut,
     TreeSummary,
-    answerable,
     body_with_etag,
     cursor_of_time,
     cursor_time,
@@ -34,6 +33,7 @@ from galewood_server.http import (
     read_page,
     row_as_json,
     rows_after,
+    serialisable,
 )
 from galewood_server.jobs import queue_job
 from galewood_server.storage import (
@@ -44,9 +44,9 @@ from galewood_server.storage import (
     RawRow,
     Tree,
     mark_tree_files,
+    raw_column,
     tree_rows,
     tree_state,
-    unconverted,
 )
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
@@ -62,12 +62,12 @@ def tree_out(tree: Tree) -> TreeOut:
     """The response model of a tree. ProblemError 500 if it cannot be serialised: nothing is then stored."""
     job = tree.job
     fields = {name: getattr(tree, name) for name in TreeOut.model_fields if name != "job_id"}
-    return answerable(TreeOut(**fields, job_id=job.id if job else None))
+    return serialisable(TreeOut(**fields, job_id=job.id if job else None))
 
 
 def job_out(job: Job) -> JobOut:
     """The response model of a build job. ProblemError 500 like `tree_out`."""
-    return answerable(JobOut.model_validate(job))
+    return serialisable(JobOut.model_validate(job))
 
 
 @lru_cache(maxsize=KEPT_ROWS)
@@ -145,7 +145,7 @@ def delete_tree(tree_id: str, service: ServiceDep) -> Response:
     """Delete an uploaded tree with its jobs and the files that no other tree uses."""
     with service.files_lock, service.sessions.begin() as session:
         # a damaged tree is deleted like any other: its row is not converted to an object
-        builtin = session.execute(select(unconverted(Tree.builtin)).where(Tree.id == tree_id)).one_or_none()
+        builtin = session.execute(select(raw_column(Tree.builtin)).where(Tree.id == tree_id)).one_or_none()
         if builtin is None:
             raise not_found("tree", tree_id)
         if builtin[0]:

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 from galewood_server.app import shipped_trees
 from galewood_server.context import Service
 from galewood_server.jobs import fingerprint, queue_job
-from galewood_server.storage import ACTIVE, Form, Tree, one_at_a_time, readable
+from galewood_server.storage import ACTIVE, Form, Tree, lock_transaction, readable
 
 log = logging.getLogger("galewood.builtin_trees")
 REGISTRATION_LOCK_KEY = 0x67616C66
@@ -81,7 +81,7 @@ def _register(service: Service, entry: BuiltinTree) -> None:
     source = (service.settings.species_dir / entry.file).read_bytes()
     source_sha256 = service.stores.sources.put(source)
     with service.sessions.begin() as session:
-        one_at_a_time(session, REGISTRATION_LOCK_KEY)  # of servers that start together, one adds the tree
+        lock_transaction(session, REGISTRATION_LOCK_KEY)  # of servers that start together, one adds the tree
         tree = _upsert(session, entry, source_sha256)
         current = fingerprint(source_sha256, tree.options, {})
         if tree.fingerprint == current and tree.table_sha256:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from galewood.shipped import ShippedTree
-from galewood.util import write_whole
+from galewood.util import write_atomically
 from sqlalchemy.orm import Session
 
 from galewood_server.context import Service
@@ -29,7 +29,7 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
     """
     tets = service.settings.cache_dir / "tets" / shipped.tets_name
     if not tets.exists():
-        write_whole(tets, shipped.tets)
+        write_atomically(tets, shipped.tets)
     if tree.job and tree.job.state in ACTIVE:
         request_cancel(session, tree.job)
     files = {

@@ -50,7 +50,7 @@ from galewood_server.http.schemas import (
     WoodSpeciesList,
     WoodSpeciesOut,
 )
-from galewood_server.http.serialised import answerable, damaged, row_as_json
+from galewood_server.http.serialised import damaged, row_as_json, serialisable
 
 __all__ = [
     "COMPRESSED_BYTES",
@@ -80,7 +80,7 @@ __all__ = [
     "Upload",
     "WoodSpeciesList",
     "WoodSpeciesOut",
-    "answerable",
+    "serialisable",
     "body_with_etag",
     "contents",
     "cursor_of_time",

@@ -23,7 +23,7 @@ def row_as_json(kind: str, model: type[BaseModel], values: Mapping[str, Any]) ->
         return None
 
 
-def answerable(model: Model) -> Model:
+def serialisable(model: Model) -> Model:
     """The model, if it can be serialised. Call it before the transaction ends, so that nothing is stored that
     cannot be read again. ProblemError 500."""
     try:

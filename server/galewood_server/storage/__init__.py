@@ -6,9 +6,9 @@ from galewood_server.storage.database import (
     database_now,
     engine_of,
     insert_for,
+    lock_transaction,
     migrate,
     migration_config,
-    one_at_a_time,
     open_database,
 )
 from galewood_server.storage.encodings import PREFERRED_CODINGS, coding_of, encoded_file, preferred_coding
@@ -47,9 +47,9 @@ from galewood_server.storage.raw_rows import (
     TREE_FIELDS,
     RawRow,
     job_rows,
+    raw_column,
     readable,
     tree_rows,
-    unconverted,
 )
 from galewood_server.storage.records import compliance_of, records_of
 from galewood_server.storage.stores import CONTENT_OF_STORE, STORE_NAMES, Stores
@@ -102,7 +102,7 @@ __all__ = [
     "migration_config",
     "new_id",
     "no_table",
-    "one_at_a_time",
+    "lock_transaction",
     "open_bucket",
     "open_database",
     "preferred_coding",
@@ -115,6 +115,6 @@ __all__ = [
     "stored",
     "tree_rows",
     "tree_state",
-    "unconverted",
+    "raw_column",
     "utc_now",
 ]

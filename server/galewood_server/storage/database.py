@@ -123,7 +123,7 @@ def insert_for(session: Session) -> Any:
     return postgresql.insert if _on_postgresql(session) else sqlite.insert
 
 
-def one_at_a_time(session: Session, key: int) -> None:
+def lock_transaction(session: Session, key: int) -> None:
     """Wait until no other transaction holds this key (SQLite: none writes), also of other servers.
 
     Call it first in a transaction, which then holds the key until it ends.

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal, TypeVar
 
 import zstandard
-from galewood.util import write_whole
+from galewood.util import write_atomically
 
 Coding = Literal["zstd", "gzip"]
 Name = TypeVar("Name", bound=str)
@@ -64,7 +64,7 @@ def encoded_file(folder: Path, sha256: str, coding: Coding, read: Callable[[], b
 
 def _make(target: Path, coding: Coding, read: Callable[[], bytes]) -> None:
     try:
-        write_whole(target, _compress(read(), coding))
+        write_atomically(target, _compress(read(), coding))
     except OSError as error:  # disk full or file removed meanwhile: the next request tries again
         log.warning("%s could not be compressed: %s", target.name, error)
     finally:

@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from galewood.util import write_whole
+from galewood.util import write_atomically
 
 log = logging.getLogger("galewood.files")
 _HASH = re.compile(r"[0-9a-f]{64}")
@@ -56,7 +56,7 @@ class FileStore:
         sha256 = hashlib.sha256(data).hexdigest()
         target = self.path(sha256)
         if not target.is_file() or not self.is_intact(sha256):
-            write_whole(target, data)
+            write_atomically(target, data)
         return sha256
 
     def get(self, sha256: str) -> bytes:

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from galewood_server.storage.database import Sessions, database_now
 from galewood_server.storage.files import is_hash
 from galewood_server.storage.models import ACTIVE, Garbage, Job, JobKind, Tree
-from galewood_server.storage.raw_rows import unconverted
+from galewood_server.storage.raw_rows import raw_column
 from galewood_server.storage.stores import Stores
 
 FILE_COLUMNS = {
@@ -68,12 +68,12 @@ def mark_tree_files(session: Session, tree_id: str) -> dict[str, str]:
 
     Returns the tree's: column -> hash. Damaged values are skipped, so that a damaged tree can be deleted.
     """
-    columns = [unconverted(getattr(Tree, field)) for field in FILE_COLUMNS]
+    columns = [raw_column(getattr(Tree, field)) for field in FILE_COLUMNS]
     row = session.execute(select(*columns).where(Tree.id == tree_id)).one()
     files = {field: name for field, name in zip(FILE_COLUMNS, row, strict=True) if _is_name(name)}
     for field, name in files.items():
         mark_garbage(session, FILE_COLUMNS[field], name)
-    jobs = select(Job.result_sha256, unconverted(Job.pictures)).where(Job.tree_id == tree_id)
+    jobs = select(Job.result_sha256, raw_column(Job.pictures)).where(Job.tree_id == tree_id)
     for result, pictures in session.execute(jobs).tuples().all():
         _mark_files(session, result, picture_hashes(pictures))
     return files
@@ -112,7 +112,7 @@ def referenced_files(session: Session) -> dict[str, set[str]]:
     for field, kind in FILE_COLUMNS.items():
         names[kind] |= set(filter(None, session.scalars(select(getattr(Tree, field)))))
     names["results"] |= set(filter(None, session.scalars(select(Job.result_sha256))))
-    for pictures in session.scalars(select(unconverted(Job.pictures))):
+    for pictures in session.scalars(select(raw_column(Job.pictures))):
         names["pictures"] |= picture_hashes(pictures)
     return names
 

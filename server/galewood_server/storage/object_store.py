@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import obstore
-from galewood.util import write_whole
+from galewood.util import write_atomically
 from obstore.store import from_url
 
 from galewood_server.storage.files import FileStore, is_hash
@@ -71,7 +71,7 @@ class BucketStore(FileStore):
         """The path of a local copy, fetched if necessary. FileNotFoundError, ValueError."""
         copy = super().path(sha256)
         if not copy.is_file():
-            write_whole(copy, fetch(self._bucket, self._key(sha256)))
+            write_atomically(copy, fetch(self._bucket, self._key(sha256)))
         return copy
 
     def has(self, sha256: str) -> bool:

@@ -56,7 +56,7 @@ JOB_FIELDS = (
 """What `job_rows` selects."""
 
 
-def unconverted(column: InstrumentedAttribute[Any]) -> ColumnElement[Any]:
+def raw_column(column: InstrumentedAttribute[Any]) -> ColumnElement[Any]:
     """A column as it is stored; JSON as its text."""
     raw: ColumnElement[Any] = (
         cast(column, Text) if isinstance(column.type, JSON) else type_coerce(column, NullType())
@@ -75,14 +75,14 @@ def tree_rows(*more: InstrumentedAttribute[Any]) -> Select[Any]:
         .correlate(Tree)
         .scalar_subquery()
     )
-    of_tree = [unconverted(getattr(Tree, name)) for name in TREE_FIELDS if not name.startswith("job_")]
-    of_job = [unconverted(Job.id).label("job_id"), unconverted(Job.state).label("job_state")]
-    return select(*of_tree, *of_job, *map(unconverted, more)).outerjoin(Job, Job.id == newest)
+    of_tree = [raw_column(getattr(Tree, name)) for name in TREE_FIELDS if not name.startswith("job_")]
+    of_job = [raw_column(Job.id).label("job_id"), raw_column(Job.state).label("job_state")]
+    return select(*of_tree, *of_job, *map(raw_column, more)).outerjoin(Job, Job.id == newest)
 
 
 def job_rows() -> Select[Any]:
     """Build jobs as JOB_FIELDS."""
-    return select(*(unconverted(getattr(Job, name)) for name in JOB_FIELDS)).where(Job.kind == "build")
+    return select(*(raw_column(getattr(Job, name)) for name in JOB_FIELDS)).where(Job.kind == "build")
 
 
 def readable(session: Session, kind: type[Row], *conditions: ColumnElement[bool]) -> Iterator[Row]:

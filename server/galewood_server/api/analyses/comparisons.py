@@ -20,7 +20,7 @@ from galewood_server.api.analyses.common import (
 )
 from galewood_server.api.events import feed_of, follow_job, stream
 from galewood_server.context import ServiceDep
-from galewood_server.http import EVENT_STREAM, NOT_MODIFIED, answerable, contents, problems
+from galewood_server.http import EVENT_STREAM, NOT_MODIFIED, contents, problems, serialisable
 from galewood_server.jobs import add_job, find_job, request_cancel
 from galewood_server.storage import Job, forget_old_analyses
 
@@ -69,7 +69,7 @@ def compare_tree(
         check_queue_length(session, "comparison")
         forget_old_analyses(session, tree, "comparison")
         job = add_job(session, tree, "comparison", analysis_settings(tree, body.model_dump()))
-        out = answerable(comparison_out(job))
+        out = serialisable(comparison_out(job))
     response.headers["Location"] = f"/api/comparisons/{out.id}"
     service.wake_supervisor()
     return out
@@ -88,7 +88,7 @@ def cancel_comparison(comparison_id: str, service: ServiceDep) -> ComparisonOut:
     with service.sessions.begin() as session:
         job = find_job(session, comparison_id, "comparison")
         request_cancel(session, job)
-        out = answerable(comparison_out(job))
+        out = serialisable(comparison_out(job))
     service.wake_supervisor()
     return out
 

@@ -24,10 +24,10 @@ from galewood_server.http import (
     EVENT_STREAM,
     NOT_MODIFIED,
     ProblemError,
-    answerable,
     contents,
     not_found,
     problems,
+    serialisable,
 )
 from galewood_server.jobs import PLOT, add_job, find_job, request_cancel
 from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
@@ -109,7 +109,7 @@ def evaluate_tree(
             check_queue_length(session, "evaluation")
             forget_old_analyses(session, tree, "evaluation")
             job = add_job(session, tree, "evaluation", settings)
-        out = answerable(evaluation_out(job))
+        out = serialisable(evaluation_out(job))
     response.headers["Location"] = f"/api/evaluations/{out.id}"
     service.wake_supervisor()
     return out
@@ -139,7 +139,7 @@ def list_evaluations(tree_id: str, service: ServiceDep) -> EvaluationList:
         names = select(Job.id).where(Job.tree_id == tree_id, Job.kind == "evaluation")
         for name in session.scalars(names.order_by(Job.created_at.desc(), Job.id.desc())).all():
             try:
-                found.append(answerable(evaluation_out(find_job(session, name, "evaluation"))))
+                found.append(serialisable(evaluation_out(find_job(session, name, "evaluation"))))
             except (ValueError, ProblemError):
                 left_out.append(name)
     return EvaluationList(evaluations=found, total=len(found) + len(left_out), damaged=left_out)
@@ -158,7 +158,7 @@ def cancel_evaluation(evaluation_id: str, service: ServiceDep) -> EvaluationOut:
     with service.sessions.begin() as session:
         job = find_job(session, evaluation_id, "evaluation")
         request_cancel(session, job)
-        out = answerable(evaluation_out(job))
+        out = serialisable(evaluation_out(job))
     service.wake_supervisor()
     return out
 

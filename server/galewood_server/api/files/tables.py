@@ -30,7 +30,7 @@ from galewood_server.http import (
     row_as_json,
     rows_after,
 )
-from galewood_server.storage import RawRow, Tree, is_hash, unconverted
+from galewood_server.storage import RawRow, Tree, is_hash, raw_column
 
 router = APIRouter(prefix="/api/tables", tags=["tables"])
 ORDER_COLUMNS = (Tree.created_at, Tree.id)
@@ -48,7 +48,7 @@ FIELDS = (
 HAS_TABLE = Tree.table_sha256.is_not(None)
 COUNT_QUERY = select(func.count(Tree.id)).where(HAS_TABLE)
 LIST_QUERY = paged(
-    select(*(unconverted(getattr(Tree, name)) for name in FIELDS)).where(HAS_TABLE).order_by(*ORDER_COLUMNS)
+    select(*(raw_column(getattr(Tree, name)) for name in FIELDS)).where(HAS_TABLE).order_by(*ORDER_COLUMNS)
 )
 KEPT_ROWS = 1024
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
-from galewood.util import write_whole
+from galewood.util import write_atomically
 
 from galewood_server.api.trees import find_tree
 from galewood_server.context import Service, ServiceDep
@@ -49,4 +49,4 @@ def _mesh_of(service: Service, tree_id: str) -> str:
 def _draw(service: Service, sha256: str, target: Path) -> None:
     from galewood.pictures import draw_limited
 
-    write_whole(target, draw_limited(service.stores.meshes.get(sha256)))
+    write_atomically(target, draw_limited(service.stores.meshes.get(sha256)))

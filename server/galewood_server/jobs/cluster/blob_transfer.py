@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import obstore
-from galewood.util import Cancelled, write_whole
+from galewood.util import Cancelled, write_atomically
 
 from galewood_server.storage import fetch, list_keys, open_bucket, stored
 
@@ -61,7 +61,7 @@ class BlobTransfer:
             data = fetch(self._bucket, run_key(task.path))
         except FileNotFoundError:
             return False
-        write_whole(task.path, data)
+        write_atomically(task.path, data)
         return True
 
     def store_tetrahedra(self, name: str, data: bytes) -> None:
@@ -71,7 +71,7 @@ class BlobTransfer:
     def fetch_tetrahedra(self, folder: Path) -> None:
         """Fetch the tetrahedral mesh stored by an earlier server of this job, if any, into `folder`."""
         for key in self._tetrahedra_keys():
-            write_whole(folder / key.rsplit("/", 1)[-1], fetch(self._bucket, key))
+            write_atomically(folder / key.rsplit("/", 1)[-1], fetch(self._bucket, key))
 
     def _tetrahedra_keys(self) -> list[str]:
         return list_keys(self._bucket, self._tets)
@@ -139,5 +139,5 @@ def _model(url: str, model: Path) -> Path:
     if not copy.exists():
         for other in copy.parent.glob("*.npz"):
             other.unlink()
-        write_whole(copy, fetch(open_bucket(url), model_key(model)))
+        write_atomically(copy, fetch(open_bucket(url), model_key(model)))
     return copy
