@@ -67,7 +67,7 @@ class Fitted:
     training_error_m: float
 
 
-def table_modes(
+def output_modes(
     training: ModalTraining, mass_kg: Floats, tolerance_m: float, size: Size
 ) -> tuple[Oscillators, Subspace]:
     """The oscillators of a size, and the output modes: their shapes and a few POD modes of the runs."""
@@ -113,7 +113,7 @@ def _fit(
     further: Sequence[SampledRun],
 ) -> Fitted:
     """Fit one size. The ``further`` runs do not change the output modes."""
-    own, subspace = table_modes(training, mass_kg, tolerance_m, size)
+    own, subspace = output_modes(training, mass_kg, tolerance_m, size)
     modal = fit_modal_model(
         own, mass_kg, (*training.runs, *further), subspace, training.scheme, coupled=size.coupled
     )

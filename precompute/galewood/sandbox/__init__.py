@@ -4,4 +4,4 @@ from galewood.sandbox.confinement import unavailable_restrictions
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
 from galewood.sandbox.results import remove_folder
 
-__all__ = ["Arrays", "Limits", "unavailable_restrictions", "remove_folder", "run_limited"]
+__all__ = ["Arrays", "Limits", "remove_folder", "run_limited", "unavailable_restrictions"]

@@ -13,8 +13,8 @@ from galewood.util.text import shown_message, shown_text
 from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [
-    "Array",
     "AbortedError",
+    "Array",
     "Cancelled",
     "Floats",
     "GuardedProcess",

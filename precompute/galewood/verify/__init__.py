@@ -2,4 +2,4 @@
 
 from galewood.verify.run import Scope, insert_table, run_checks
 
-__all__ = ["Scope", "run_checks", "insert_table"]
+__all__ = ["Scope", "insert_table", "run_checks"]

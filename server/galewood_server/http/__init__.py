@@ -80,7 +80,6 @@ __all__ = [
     "Upload",
     "WoodSpeciesList",
     "WoodSpeciesOut",
-    "serialisable",
     "body_with_etag",
     "contents",
     "cursor_of_time",
@@ -100,5 +99,6 @@ __all__ = [
     "read_upload",
     "row_as_json",
     "rows_after",
+    "serialisable",
     "with_head_routes",
 ]
