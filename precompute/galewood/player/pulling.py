@@ -3,7 +3,7 @@
 Mode acceleration (docs/design/0018-pulling.md): a held tree is displaced by its static response to the
 force, and goes on swaying in the wind about it. The modes' part of that response is added to the pose, the
 rest by whoever draws the tree. On release the modes' part becomes part of the oscillators' state, so that the
-tree swings. Twin: web/player/src/core/pull.
+tree swings.
 """
 
 from __future__ import annotations
@@ -12,24 +12,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from galewood.constants import (
+    PULL_FORCE_SHARE,
+    PULL_LAG_S,
+    PULL_MOST_REACH,
+    PULL_STRETCH_SHARE,
+    WHOLE_WEIGHT,
+)
 from galewood.table import Compliance, Table
 from galewood.util import Floats
-
-STRETCH_SHARE = 0.12
-"""Directions in which a point yields less than this share of its mean barely move."""
-LAG_S = 0.05
-"""Time constant with which the force follows the target."""
-MOST_REACH = 0.15
-"""Largest displacement by pulling, relative to the height."""
-WHOLE_WEIGHT = 65535
 
 
 class PullError(ValueError):
     """The tree has no such point."""
-
-
-PULL_SHARE = 0.4
-"""Largest pulling force over the breaking force: up to it a linear response is off by about 2 % at most."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +59,7 @@ def point_response(table: Table, vertex: int, compliance: Compliance | None = No
     point = (1 - share) * basis[first].astype(np.float64) + share * basis[second].astype(np.float64)
     oscillators = static_gain(table)[:, None] * modal_load(table, point)
     pose = static_pose(table, oscillators)
-    reach_m = MOST_REACH * float(table.metadata["height_m"])
+    reach_m = PULL_MOST_REACH * float(table.metadata["height_m"])
     yields, limit_n = point @ pose, np.inf
     if compliance is not None and fits(compliance, table):
         yields, limit_n = whole_compliance(compliance, vertex)
@@ -111,7 +106,7 @@ def whole_compliance(compliance: Compliance, vertex: int) -> tuple[Floats, float
     breaking_n = (
         float(weight[held, 1] @ limits) / max(float(weight[held, 1].sum()), 1e-9) if held.any() else 0.0
     )
-    return yields, PULL_SHARE * breaking_n
+    return yields, PULL_FORCE_SHARE * breaking_n
 
 
 def vertex_loads(compliance: Compliance, vertex: int) -> tuple[Floats, Floats]:
@@ -143,7 +138,7 @@ def displacement_at(u_m: Floats, compliance: Compliance, vertex: int) -> Floats:
 
 
 class DragConstraint:
-    """A limited force that pulls a point of a tree to a target. Forces and places in its frame, at scale 1."""
+    """A limited force that pulls a point to a target. Forces and places in the frame of the tree, at scale 1."""
 
     def __init__(self, response: PointResponse) -> None:
         self.response = response
@@ -151,7 +146,7 @@ class DragConstraint:
         self.rate_n_s = np.zeros(3)
         """How fast the force changes, smoothed."""
         yields = response.compliance
-        soft = STRETCH_SHARE * float(np.trace(yields)) / 3
+        soft = PULL_STRETCH_SHARE * float(np.trace(yields)) / 3
         # damped least squares: stiff directions, along a branch, would need enormous forces
         self._force_of = np.linalg.inv(yields @ yields + (soft * soft + 1e-30) * np.eye(3)) @ yields
 
@@ -161,7 +156,7 @@ class DragConstraint:
             return
         wanted = limited(np.asarray(target_m, np.float64) - swayed_m, self.response.reach_m)
         goal = limited(self._force_of @ wanted, self.response.limit_n)
-        before, share = self.force_n, dt_s / (LAG_S + dt_s)
+        before, share = self.force_n, dt_s / (PULL_LAG_S + dt_s)
         self.force_n = before + share * (goal - before)
         self.rate_n_s = self.rate_n_s + share * ((self.force_n - before) / dt_s - self.rate_n_s)
 
