@@ -91,18 +91,18 @@ def test_cross_sections_add_up_at_forks():
     assert np.pi * pipe_radius(load, np.array([0.0]), 0.5)[0] ** 2 == pytest.approx(0.5, rel=1e-12)
 
 
-def test_boughs_and_stem_share_the_cross_section_as_the_leaves():
+def test_branches_and_stem_share_the_cross_section_as_the_leaves():
     high, left, right = (sphere(c, r, 2) for c, r in (((0, 8, 0), 1.5), ((3, 6, 0), 1), ((-3, 6, 0), 0.8)))
     found = completed(stub(), high, left, right)
-    assert [line.kind for line in found.lines] == ["stem", "bough", "bough"]
+    assert [line.kind for line in found.lines] == ["stem", "branch", "branch"]
     area = [np.pi * line.radius_m[0] ** 2 for line in found.lines]
     leaves = [4 * np.pi * r**2 for r in (1.5, 1, 0.8)]
     ends = np.array([line.points_m[-1] for line in found.lines[1:]])
     order = np.argsort(-ends[:, 0])
-    boughs = np.array(area[1:])[order]
+    branches = np.array(area[1:])[order]
     np.testing.assert_allclose(ends[order], [(3, 6, 0), (-3, 6, 0)], atol=0.05)
-    np.testing.assert_allclose(boughs / area[0], np.array(leaves[1:]) / sum(leaves), rtol=0.02)
-    assert boughs[0] / boughs[1] == pytest.approx(1 / 0.8**2, rel=1e-6)
+    np.testing.assert_allclose(branches / area[0], np.array(leaves[1:]) / sum(leaves), rtol=0.02)
+    assert branches[0] / branches[1] == pytest.approx(1 / 0.8**2, rel=1e-6)
     assert area[0] == pytest.approx(sections_area(stub(), 4.0), rel=1e-6), (
         "the stem begins as thick as the stub"
     )
@@ -197,7 +197,7 @@ def palm(thick: float = 0.0) -> tuple[Surface, Surface]:
 def test_every_frond_of_a_palm_gets_a_rib_and_bends_along_it(thick: float):
     tree = read(*palm(thick))
     added = tree.report["added_wood"]
-    assert (added["fronds"], added["boughs"], added["stems_m"]) == (FRONDS, 0, [])
+    assert (added["fronds"], added["branches"], added["stems_m"]) == (FRONDS, 0, [])
     frame = frame_of(outline_of(tree.wood_vertices_m, tree.wood_faces))
     feet = holds_of(tree, axis_of_frame(frame, 0.1))
     leaves = np.arange(len(feet.child)) >= len(tree.primitives[0].positions_m)

@@ -80,9 +80,9 @@ def test_sampled_elements_are_nested_distinct_and_free(y_tree):
 def test_twig_hanging_to_the_ground_is_not_a_root():
     def holds(points):
         trunk = near_segment(points, (0, 0, 0), (0, 3, 0), 0.25)
-        bough = near_segment(points, (0, 2.6, 0), (1.2, 2.6, 0), 0.1)
+        branch = near_segment(points, (0, 2.6, 0), (1.2, 2.6, 0), 0.1)
         twig = near_segment(points, (1.2, 2.6, 0), (1.2, 0, 0), 0.07)
-        return (points[:, 1] > 0) & (trunk | bough | twig)
+        return (points[:, 1] > 0) & (trunk | branch | twig)
 
     mesh = grid_mesh(holds, (-0.3, 0, -0.3), (1.4, 3.3, 0.3), 0.05)
     roots = mesh.vertices_m[root_vertices(mesh.vertices_m, mesh.tets)]

@@ -1,8 +1,8 @@
-"""Lines of wood that a mesh lacks: stems, boughs and ribs of fronds, with radii from the pipe model.
+"""Lines of wood that a mesh lacks: stems, branches and ribs of fronds, with radii from the pipe model.
 
 Pipe model (Shinozaki and others, Japanese Journal of Ecology 14, 1964): the cross-section of a stem is
 proportional to the leaves that it carries. So cross-sections add up at forks, and a stem becomes thinner
-where leaves or boughs leave it.
+where leaves or branches leave it.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from galewood.mesh.repair import Surface
 from galewood.mesh.sections import Section, sections_at
 from galewood.util import Floats
 
-LineKind = Literal["stem", "bough", "frond"]
+LineKind = Literal["stem", "branch", "frond"]
 TIP_SHARE = 0.1
 """Least cross-section at the end of a line, relative to its base: no line ends as a thread."""
 TOP_SHARE = 0.92
 """How far a stem reaches from the end of the wood to the top of the foliage."""
 BRANCH_STEEPNESS = 0.7
-"""A bough leaves its stem lower than its end, by this times its horizontal reach."""
+"""A branch leaves its stem lower than its end, by this times its horizontal reach."""
 FROND_BINS = 9
 FEW_VERTICES = 8
 """A piece of fewer vertices is a card, which cannot bend."""
@@ -121,8 +121,8 @@ def stem_path(start_m: Floats, direction: Floats, top_m: Floats, step_m: float) 
     return (1 - t) ** 2 * start_m + 2 * t * (1 - t) * middle + t**2 * top_m
 
 
-def bough_foot(stem_m: Floats, end_m: Floats) -> tuple[Floats, float]:
-    """Where a bough to a place leaves a stem (p, 3): the place (3,) and its length along the stem, m."""
+def branch_foot(stem_m: Floats, end_m: Floats) -> tuple[Floats, float]:
+    """Where a branch to a place leaves a stem (p, 3): the place (3,) and its length along the stem, m."""
     marks = _marks(stem_m)
     beside = _at_height(stem_m, float(end_m[1]))
     reach = float(np.linalg.norm((end_m - beside)[[0, 2]]))

@@ -1,4 +1,4 @@
-"""Wood that a mesh does not draw: a trunk inside a closed crown, boughs, ribs of fronds, stems of a bush.
+"""Wood that a mesh does not draw: a trunk inside a closed crown, branches, ribs of fronds, stems of a bush.
 
 A tree can only bend where it has wood. Where a trunk ends low in the crown, or foliage is far from all wood,
 lines of wood are added that reach it. They are meshed and bend like drawn wood, but are never drawn.
@@ -18,7 +18,7 @@ from galewood.mesh.added_lines import (
     TOP_SHARE,
     AddedLine,
     Load,
-    bough_foot,
+    branch_foot,
     carried,
     frond_path,
     joined_loads,
@@ -41,8 +41,8 @@ SHORT_WOOD = 0.62
 SHORT_IF_ASKED = 0.85
 """The same if the user asks for completion."""
 FAR_SHARE = 0.15
-"""Share of the leaf area far from all wood from which boughs are added, and of fronds without a rib."""
-MOST_BOUGHS, MOST_FRONDS = 16, 48
+"""Share of the leaf area far from all wood from which branches are added, and of fronds without a rib."""
+MOST_BRANCHES, MOST_FRONDS = 16, 48
 FROND_SIZE = 0.15
 """Shortest frond that gets a rib, relative to the height."""
 MAX_WOODED_LENGTH_SHARE = 0.5
@@ -92,7 +92,7 @@ def complete_wood(wood: Surface, leaves: Sequence[RawPart], asked: bool | None) 
     above = ~grower.served & (clumps.centre_m[:, 1] > low + 0.8 * reached)
     if short and clumps.area_m2[above].sum() > FAR_SHARE * clumps.area_m2.sum():
         grower.add_stem()
-    grower.add_boughs(least)
+    grower.add_branches(least)
     return grower.completed(f"the wood ends at {reached / height_m:.0%} of the height")
 
 
@@ -118,7 +118,7 @@ def synthesize_stems(leaves: Sequence[RawPart]) -> Completed:
         size = np.ptp(clumps.corner_m[np.isin(clumps.clump, np.flatnonzero(rest))].reshape(-1, 3), axis=0)
         if rest.sum() == 1 or size[1] > SINGLE_STEM_ASPECT_RATIO * max(size[0], size[2]):
             grower.add_stem()
-            grower.add_boughs(0.0)
+            grower.add_branches(0.0)
         else:
             grower.add_stems(points[-2])
     found = grower.completed("the file draws no wood")
@@ -151,8 +151,8 @@ def _check_leaves(clumps: Clumps, height_m: float, area_m2: float) -> None:
 
 
 @dataclass(frozen=True)
-class _Bough:
-    """A bough before its radii are known."""
+class _BranchLine:
+    """A branch before its radii are known."""
 
     points_m: Floats
     load: Load
@@ -173,7 +173,7 @@ class _Grower:
         self._stem: Floats | None = None
         self._stem_area = 0.0
         self._on_stem: list[Load] = []
-        self._boughs: list[_Bough] = []
+        self._branches: list[_BranchLine] = []
         self._lines: list[AddedLine] = []
         self.served = np.zeros(len(clumps), dtype=bool)
 
@@ -236,35 +236,35 @@ class _Grower:
         own = nearer & ~far[self._clumps.clump]
         self._on_stem.append(carried(self._stem, place[own], area[own]))
 
-    def add_boughs(self, least: float) -> None:
-        """Boughs to the clumps that no wood reaches, if they are more than a share of all leaves."""
+    def add_branches(self, least: float) -> None:
+        """Branches to the clumps that no wood reaches, if they are more than a share of all leaves."""
         wood = self._points if self._stem is None else np.concatenate([self._points, _dense(self._stem)])
         far = np.flatnonzero(self._clumps.unreached(wood, self._height_m) & ~self.served)
         area = self._clumps.area_m2
         if not len(far) or area[far].sum() <= least * area.sum():
             return
         label = clustered(
-            self._clumps.centre_m[far], area[far], REACH_HEIGHT_SHARE * self._height_m, MOST_BOUGHS
+            self._clumps.centre_m[far], area[far], REACH_HEIGHT_SHARE * self._height_m, MOST_BRANCHES
         )
         for number in range(int(label.max()) + 1):
-            self._add_bough(far[label == number])
+            self._add_branch(far[label == number])
         self.served[far] = True
 
-    def _add_bough(self, members: np.ndarray) -> None:
+    def _add_branch(self, members: np.ndarray) -> None:
         area = self._clumps.area_m2[members]
         end = np.average(self._clumps.centre_m[members], axis=0, weights=np.maximum(area, 1e-12))
         cost = np.linalg.norm(self._points - end, axis=1) + np.maximum(self._points[:, 1] - end[1], 0)
         drawn = self._inside(self._points[int(cost.argmin())])
         start, on_stem = drawn, False
         if self._stem is not None:
-            foot, mark = bough_foot(self._stem, end)
+            foot, mark = branch_foot(self._stem, end)
             if np.linalg.norm(end - foot) < 1.5 * np.linalg.norm(end - drawn):
                 start, on_stem = foot, True
                 self._on_stem.append(Load(np.array([mark]), np.array([area.sum()])))
         points = _straight(start, end, 0.06 * self._height_m)
         own = np.isin(self._clumps.clump, members)
         load = carried(points, self._clumps.point_m[own], self._clumps.point_area_m2[own])
-        self._boughs.append(_Bough(points, load, on_stem))
+        self._branches.append(_BranchLine(points, load, on_stem))
 
     def add_stems(self, foot_m: Floats) -> None:
         """Several stems from a common foot to the parts of a bush."""
@@ -303,10 +303,10 @@ class _Grower:
             on_stem = self._stem_area / max(float(load.area_m2.sum()), 1e-300)
             radius = pipe_radius(load, line_marks(self._stem), self._stem_area)
             lines.insert(0, AddedLine("stem", self._stem, radius))
-        for bough in self._boughs:
-            base = (on_stem if bough.on_stem else self._area_per_leaf) * float(bough.load.area_m2.sum())
-            radius = pipe_radius(bough.load, line_marks(bough.points_m), base)
-            lines.append(AddedLine("bough", bough.points_m, radius))
+        for branch in self._branches:
+            base = (on_stem if branch.on_stem else self._area_per_leaf) * float(branch.load.area_m2.sum())
+            radius = pipe_radius(branch.load, line_marks(branch.points_m), base)
+            lines.append(AddedLine("branch", branch.points_m, radius))
         if not lines:
             return Completed(self._wood)
         added = _surface(lines)
@@ -317,7 +317,7 @@ class _Grower:
         report = {
             "reason": reason,
             "stems_m": [round(line.length_m, 3) for line in lines if line.kind == "stem"],
-            "boughs": sum(line.kind == "bough" for line in lines),
+            "branches": sum(line.kind == "branch" for line in lines),
             "fronds": sum(line.kind == "frond" for line in lines),
             "length_m": round(sum(line.length_m for line in lines), 3),
             "volume_m3": sum(line.volume_m3 for line in lines),
@@ -336,13 +336,13 @@ DISABLE_HINT = "To disable this, choose not to complete the wood (--no-complete)
 def _words(lines: list[AddedLine]) -> str:
     """What was added, as the beginning of a sentence."""
     stems = [line.length_m for line in lines if line.kind == "stem"]
-    boughs, fronds = (sum(line.kind == kind for line in lines) for kind in ("bough", "frond"))
+    branches, fronds = (sum(line.kind == kind for line in lines) for kind in ("branch", "frond"))
     words: list[str] = []
     if stems:
         longest = f"{max(stems):.2g} m"
         words.append(f"a stem of {longest}" if len(stems) == 1 else f"{len(stems)} stems of up to {longest}")
-    if boughs:
-        words.append("a branch" if boughs == 1 else f"{boughs} branches")
+    if branches:
+        words.append("a branch" if branches == 1 else f"{branches} branches")
     if fronds:
         words.append("the rib of a frond" if fronds == 1 else f"the ribs of {fronds} fronds")
     text = ", ".join(words[:-1]) + (" and " if len(words) > 1 else "") + words[-1]

@@ -138,7 +138,7 @@ def displacement_at(u_m: Floats, compliance: Compliance, vertex: int) -> Floats:
 
 
 class DragConstraint:
-    """A limited force that pulls a point to a target. Forces and places in the frame of the tree, at scale 1."""
+    """A limited force that pulls a point of a tree. Forces and places in its frame, at scale 1."""
 
     def __init__(self, response: PointResponse) -> None:
         self.response = response
