@@ -24,7 +24,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species golden page-types audit clean
+.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -96,6 +96,7 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/python scripts/write_page_types.py --check
+	$(BIN)/python -m scripts.check_constants
 	web/node_modules/.bin/pyright
 	cd web && npm run --silent lint && npm run --silent typecheck
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
@@ -144,6 +145,9 @@ species: web/node_modules/.stamp build/.kernels ## grow the three species again,
 
 page-types: $(VENV)/.base ## write the page's types of the REST interface again
 	$(BIN)/python scripts/write_page_types.py
+
+constants: $(VENV)/.dev ## write the modules of the constants that Python and TypeScript share, from spec/constants.json
+	$(BIN)/python -m scripts.write_constants
 
 golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make
