@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from galewood.wind import MODELS, Wind, WindField
+from galewood.constants import TICK_HZ, WIND_MODELS
+from galewood.wind import Wind, WindField
 
-FRAME_S = 1.0 / 30.0
+FRAME_S = 1.0 / TICK_HZ
 
 
 def bench_wind(trees: int = 10_000, frames: int = 60) -> dict[str, Any]:
@@ -17,7 +18,7 @@ def bench_wind(trees: int = 10_000, frames: int = 60) -> dict[str, Any]:
 
     ``prepare_ms`` is the first frame, which prepares the model's texture (and compiles, unless cached).
     """
-    return {"trees": trees, **{model: _bench_model(model, trees, frames) for model in MODELS}}
+    return {"trees": trees, **{model: _bench_model(model, trees, frames) for model in WIND_MODELS}}
 
 
 def _bench_model(model: str, trees: int, frames: int) -> dict[str, float]:

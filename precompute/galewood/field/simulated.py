@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from galewood.constants import BREAST_HEIGHT_M
 from galewood.fem import FemModel, FemSettings
 from galewood.mesh import TreeMesh, import_mesh_sandboxed, mesh_with_companions
 from galewood.model import tree_model
 from galewood.options import BuildRequest
 from galewood.util import Floats, Ints
-
-BREAST_HEIGHT_M = 1.3
 
 
 @dataclass(frozen=True)

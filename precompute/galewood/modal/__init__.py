@@ -3,12 +3,11 @@
 from galewood.modal.drag import add_drag, drag_inputs, drag_tensors
 from galewood.modal.gradient import add_drag_gradient, add_terms_gradient
 from galewood.modal.gusts import GustTensors, advance_gusts, no_gusts
-from galewood.modal.step import MAX_STEPS_PER_ADVANCE, advance_trees, widened, working_room
+from galewood.modal.step import advance_trees, widened, working_room
 from galewood.modal.tensors import ModalTensors, coupled_of, force_terms, shape_terms
 from galewood.modal.terms import write_force_terms, write_pose_terms
 
 __all__ = [
-    "MAX_STEPS_PER_ADVANCE",
     "GustTensors",
     "ModalTensors",
     "add_drag",

@@ -14,18 +14,16 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from galewood.wind import (
+from galewood.constants import (
+    FEWEST_DRAG_INPUTS,
     HALF_AIR_DENSITY_KG_M3,
+    ISOTROPIC_DRAG,
     STREAMLINED_EXPONENT,
+    STREAMLINING_PRESSURE_PA,
     STREAMLINING_SPEED_M_S,
-    pressure_per_speed,
 )
+from galewood.wind import pressure_per_speed
 
-FEWEST_INPUTS = 8
-ISOTROPIC = 4.0 / 3.0
-"""Mean over all directions of the derivative of a quadratic drag, over pressure per speed."""
-STRONG_PA = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
-"""Pressure above which it grows with the streamlined power of the speed."""
 TINY_PA = 1e-30
 """Keeps the direction of no wind finite."""
 
@@ -49,7 +47,7 @@ def add_drag(point, inputs, outputs, rest, v, pressure, room, total):  # pragma:
         _write_point_force(point[j], share_of[j], pressure, air, x, y, z, mean, room[3 * count + 5])
     for k in range(len(total)):
         for lane in range(len(mean)):
-            total[k, lane] -= ISOTROPIC * rest[k] * mean[lane] * v[k, lane]
+            total[k, lane] -= ISOTROPIC_DRAG * rest[k] * mean[lane] * v[k, lane]
     total += np.dot(outputs, moved)
 
 
@@ -67,10 +65,11 @@ def _write_air(pressure, most, air):  # pragma: no cover  (compiled)
         air[0, lane] = np.sqrt(wind_pa / HALF_AIR_DENSITY_KG_M3)
         air[1, lane] = wind_pa
         air[2, lane], air[3, lane] = back * x, back * z
-        strong += most * wind_pa > STRONG_PA
+        strong += most * wind_pa > STREAMLINING_PRESSURE_PA
     if strong:
         for lane in range(pressure.shape[1]):
-            air[1, lane] = STREAMLINING_SPEED_M_S * (air[1, lane] / STRONG_PA) ** (1.0 / STREAMLINED_EXPONENT)
+            ratio = air[1, lane] / STREAMLINING_PRESSURE_PA
+            air[1, lane] = STREAMLINING_SPEED_M_S * ratio ** (1.0 / STREAMLINED_EXPONENT)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -110,7 +109,7 @@ def _write_point_force(point, share_of, pressure, air, x, y, z, mean, spare):  #
 
 def drag_inputs(oscillators: int) -> int:
     """Number of oscillators whose speed determines the velocity of the drag points: the first half."""
-    return min(oscillators, max(FEWEST_INPUTS, oscillators // 2))
+    return min(oscillators, max(FEWEST_DRAG_INPUTS, oscillators // 2))
 
 
 def drag_tensors(drag_point, drag_shape, drag_rest):

@@ -11,7 +11,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from galewood.modal.drag import ISOTROPIC, TINY_PA
+from galewood.constants import ISOTROPIC_DRAG
+from galewood.modal.drag import TINY_PA
 from galewood.modal.tensors import coupled_of
 from galewood.modal.terms import REACH, hold, write_sway
 from galewood.wind import pressure_per_speed, speed_of_pressure
@@ -139,7 +140,7 @@ def add_drag_gradient(
         wind_pa = np.sqrt(px * px + pz * pz)
         by_mean = 0.0
         for k in range(len(by_v)):
-            by_mean -= ISOTROPIC * rest[k] * v[k, lane] * by_force[k, lane]
+            by_mean -= ISOTROPIC_DRAG * rest[k] * v[k, lane] * by_force[k, lane]
         mean = 0.0
         for j in range(count):
             area, share = point[j, 0], point[j, 1]
@@ -161,5 +162,5 @@ def add_drag_gradient(
             by_moved[count + j, lane] = -(per_speed * gy + growth * wy)
             by_moved[2 * count + j, lane] = -(per_speed * gz + growth * wz)
         for k in range(len(by_v)):
-            by_v[k, lane] -= ISOTROPIC * rest[k] * mean * by_force[k, lane]
+            by_v[k, lane] -= ISOTROPIC_DRAG * rest[k] * mean * by_force[k, lane]
     by_v[: inputs.shape[1]] += np.dot(inputs.T, by_moved)

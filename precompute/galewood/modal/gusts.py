@@ -2,7 +2,7 @@
 
 The modal model is driven by one pressure per tree. What the wind at ``places`` in the crown differs from it
 drives oscillators of their own: Ritz vectors of the finite-element model, stepped exactly, in metres of their
-output mode. Drag damps them. Twin: web/player/src/core/modal/gustLayer.ts.
+output mode. Drag damps them.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -15,12 +15,9 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from galewood.modal.step import MAX_STEPS_PER_ADVANCE
+from galewood.constants import GUST_LAYER_REST, MAX_STEPS_PER_ADVANCE
 from galewood.util import Singles
 from galewood.wind import speed_of_pressure
-
-STILL_M, STILL_M_S = 1e-6, 1e-6
-"""In still air a motion below both is set to exactly zero."""
 
 
 @dataclass(frozen=True)
@@ -45,15 +42,17 @@ def no_gusts() -> GustTensors:
 
 
 @numba.njit(cache=True, nogil=True)
-def advance_gusts(
-    step, load, drag, rate, turn, pressure_x, pressure_z, gusts, phase, e, v, now, before, q
-):  # pragma: no cover  (compiled)
+def advance_gusts(tensors, rate, turn, phase, pressure, gusts, state, q):  # pragma: no cover  (compiled)
     """Advance the gust layer of all trees by ``rate`` steps each and write the interpolated poses to q.
 
-    The pressures (count,) in Pa are those at the trees, world x and z. gusts (count, 2G) are the relative
-    gusts at each place, along and across that pressure; q (count, L) m. ``phase`` (count,) is that before
-    the step of the modal model, and is not changed.
+    ``tensors`` are step, load and drag of ``GustTensors`` in float64. ``pressure`` is that at the trees along
+    world x and z, (count,) Pa. gusts (count, 2G) are the relative gusts at each place, along and across that
+    pressure; q (count, L) m. ``phase`` (count,) is that before the step of the modal model, and is not
+    changed. ``state`` (count, L) is updated: coordinates, speeds, and the poses of the last two steps.
     """
+    step, load, drag = tensors
+    pressure_x, pressure_z = pressure
+    e, v, now, before = state
     oscillators, places = len(step), load.shape[1] // 2
     local = np.empty(2 * places)
     for i in range(len(phase)):
@@ -80,7 +79,7 @@ def advance_gusts(
                 e[i, k] = x0 + (a * x0 + b * v0 + s0 * force)
                 v[i, k] = v0 + (c * x0 + d * v0 + s1 * force)
                 largest, fastest = max(largest, abs(e[i, k])), max(fastest, abs(v[i, k]))
-            if strength == 0.0 and largest < STILL_M and fastest < STILL_M_S:
+            if strength == 0.0 and largest < GUST_LAYER_REST and fastest < GUST_LAYER_REST:
                 e[i, :] = 0.0
                 v[i, :] = 0.0
             for k in range(oscillators):

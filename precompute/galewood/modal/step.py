@@ -7,18 +7,15 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from galewood.constants import MAX_STEPS_PER_ADVANCE, MODAL_REST
 from galewood.modal.drag import add_drag, drag_tensors
 from galewood.modal.tensors import ModalTensors
 from galewood.modal.terms import hold as hold
 from galewood.modal.terms import write_force_terms, write_pose_terms, write_sway
 from galewood.util import Array, Floats
 
-MAX_STEPS_PER_ADVANCE = 8
-"""Most steps of one call: after a long pause a tree resumes instead of catching up."""
 BATCH = 64
 """Trees per matrix product: few enough that BLAS stays on one core."""
-REST = 1e-7
-"""In still air a motion below this share of the sampled range is set to exactly zero."""
 
 
 @numba.njit(cache=True, nogil=True)
@@ -49,7 +46,7 @@ def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
     """Set trees that hardly move in still air to rest. Writes the sway of e to pairs[0]."""
     e, v, pressure, _, pairs, _, _, _, _ = batch
     write_sway(sway, e, pairs[0])
-    small, reach = REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
+    small, reach = MODAL_REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
     for lane in range(BATCH):
         if pressure[0, lane] != 0.0 or pressure[1, lane] != 0.0:
             continue
@@ -60,19 +57,18 @@ def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
             vx += sway[0, k] * v[k, lane]
             vy += sway[1, k] * v[k, lane]
             largest = max(largest, abs(e[k, lane]))
-        if max(abs(vx), abs(vy)) <= REST * limits[1] and largest * reach < small:
+        if max(abs(vx), abs(vy)) <= MODAL_REST * limits[1] and largest * reach < small:
             e[:, lane] = 0.0
             v[:, lane] = 0.0
             pairs[0, :, lane] = 0.0
 
 
 @numba.njit(cache=True, nogil=True)
-def _write_poses(
-    tensors, batch, tree, count, now, before, extrapolation_ratio
-):  # pragma: no cover  (compiled)
+def _write_poses(tensors, batch, count, state):  # pragma: no cover  (compiled)
     """Move ``now`` to ``before``, write the new poses to ``now``, and the extrapolation ratios."""
     _, _, _, _, shown, pose, limits, _, _, _, _ = tensors
-    e, _, pressure, _, pairs, terms, total, _, _ = batch
+    e, _, pressure, _, pairs, terms, total, _, tree = batch
+    _, _, _, now, before, extrapolation_ratio = state
     d = len(e)
     for lane in range(count):
         x, y = pairs[0, 0, lane], pairs[0, 1, lane]
@@ -93,11 +89,10 @@ def _write_poses(
 
 
 @numba.njit(cache=True, nogil=True)
-def _step_trees(
-    tensors, half_s, batch, count, turned, e, v, now, before, extrapolation_ratio
-):  # pragma: no cover
+def _step_trees(tensors, half_s, batch, count, state):  # pragma: no cover  (compiled)
     """Step the ``count`` trees whose indices are in the batch."""
     own_e, own_v, pressure, _, _, _, _, _, tree = batch
+    e, v, turned, _, _, _ = state
     for lane in range(count):
         i = tree[lane]
         pressure[0, lane], pressure[1, lane] = turned[i, 0], turned[i, 1]
@@ -109,35 +104,24 @@ def _step_trees(
         i = tree[lane]
         for k in range(len(own_e)):
             e[i, k], v[i, k] = own_e[k, lane], own_v[k, lane]
-    _write_poses(tensors, batch, tree, count, now, before, extrapolation_ratio)
+    _write_poses(tensors, batch, count, state)
 
 
 @numba.njit(cache=True, nogil=True)
 def advance_trees(
-    tensors,
-    half_s,
-    rate,
-    turn,
-    pressure_x,
-    pressure_z,
-    e,
-    v,
-    phase,
-    turned,
-    now,
-    before,
-    q,
-    extrapolation_ratio,
-    batch,
+    tensors, half_s, batch, rate, turn, pressure, phase, state, q
 ):  # pragma: no cover  (compiled)
     """Advance all trees by ``rate`` steps each (count,) and write the interpolated poses to q.
 
     q is (count, r or more).
 
     ``tensors`` is from ``widened``, ``batch`` from ``working_room``; ``half_s`` is half a step, s. ``turn``
-    holds cosine and sine of the yaw, the pressures (count,) are in Pa. Updates e, v (count, d), phase,
-    turned, now, before (count, r) and extrapolation_ratio in place.
+    holds cosine and sine of the yaw, ``pressure`` is that along x and z, (count,) Pa. Updates phase (count,)
+    and ``state`` in place: e, v (count, d), the pressures in the frames of the trees (count, 2), the poses of
+    the last step and of that before (count, r), and the extrapolation ratios (count,).
     """
+    pressure_x, pressure_z = pressure
+    _, _, turned, now, before, _ = state
     for i in range(len(phase)):
         turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
         turned[i, 1] = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
@@ -151,7 +135,7 @@ def advance_trees(
                 tree[count] = i
                 count += 1
             if count == BATCH or (count > 0 and i == len(phase) - 1):
-                _step_trees(tensors, half_s, batch, count, turned, e, v, now, before, extrapolation_ratio)
+                _step_trees(tensors, half_s, batch, count, state)
                 stepped += count
                 count = 0
         if stepped == 0:

@@ -10,11 +10,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from galewood.constants import MODAL_REACH
 from galewood.modal.tensors import coupled_of
-
-REACH = 1.25
-"""The arguments of the polynomials are clamped to this multiple of the sampled range. The force stays
-bounded, and as the linear step contracts, any bounded wind gives a bounded motion."""
 
 
 @numba.njit(cache=True, nogil=True)
@@ -26,7 +23,7 @@ def write_shape(pair, e, limits, out):  # pragma: no cover  (compiled)
         out[0, lane], out[1, lane], out[2, lane] = xx, xy, yy
         out[3, lane], out[4, lane], out[5, lane], out[6, lane] = xx * x, xx * y, x * yy, yy * y
     for j in range(coupled_of(limits)):
-        far = REACH * limits[3 + j]
+        far = MODAL_REACH * limits[3 + j]
         for lane in range(pair.shape[1]):
             z = min(max(e[2 + j, lane], -far), far)
             out[7 + 2 * j, lane] = z * pair[0, lane]
@@ -63,11 +60,11 @@ def write_motion(pair, speed, pressure, out, at):  # pragma: no cover  (compiled
 def write_coupled(pair, pressure, e, v, limits, out, at):  # pragma: no cover  (compiled)
     """Terms of the speed of each coupled coordinate times the sway, and of the coordinate times the pressure.
 
-    The damping of a bough changes as the tree bends, and its wind load as the bough itself bends.
+    The damping of a branch changes as the tree bends, and its wind load as the branch itself bends.
     """
     count = coupled_of(limits)
     for j in range(count):
-        far, fast = REACH * limits[3 + j], REACH * limits[3 + count + j]
+        far, fast = MODAL_REACH * limits[3 + j], MODAL_REACH * limits[3 + count + j]
         for lane in range(pair.shape[1]):
             z = min(max(e[2 + j, lane], -far), far)
             w = min(max(v[2 + j, lane], -fast), fast)
@@ -110,7 +107,7 @@ def write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, out): 
     write_sway(sway, v, pairs[1])
     pairs[2] = pressure
     for i in range(3):
-        hold(pairs[i], REACH * limits[i])
+        hold(pairs[i], MODAL_REACH * limits[i])
     write_shape(pairs[0], ahead, limits, out)
     at = 7 + 2 * coupled_of(limits)
     write_motion(pairs[0], pairs[1], pairs[2], out, at)
@@ -123,5 +120,5 @@ def write_pose_terms(limits, e, pressure, pair, out):  # pragma: no cover  (comp
     d = len(e)
     out[:d] = e
     out[d : d + 2] = pressure
-    hold(pair, REACH * limits[0])
+    hold(pair, MODAL_REACH * limits[0])
     write_shape(pair, e, limits, out[d + 2 :])

@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from galewood.constants import BREAST_HEIGHT_M
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
 from galewood.model import LumpedMasses
 from galewood.skeleton import Skeleton
 from galewood.tets import TetMesh, tet_volumes
-
-BREAST_HEIGHT_M = 1.3
 
 
 def figures_of(

@@ -1,7 +1,7 @@
 """The paper's state search (Algorithm 1) for many trees: finds the next record and the resulting pose.
 
-web/player/src/core/motion/paperSearch.ts performs the same operations in the same order. Both find the same
-records and, in units of the table's mode scale, bit-identical poses: no fused multiply-add, no fast math.
+Every language performs the same operations in the same order. All find the same records and, in units of the
+table's mode scale, bit-identical poses: no fused multiply-add, no fast math.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -10,47 +10,62 @@ from __future__ import annotations
 
 import math
 import weakref
-from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numba
 import numpy as np
 import numpy.typing as npt
 
-from galewood.modal import MAX_STEPS_PER_ADVANCE
+from galewood.constants import (
+    EXPONENTIAL_SQUARINGS,
+    EXPONENTIAL_TERMS,
+    MAX_STEPS_PER_ADVANCE,
+    SEARCH_ANY_AIR,
+    SEARCH_SNAP,
+)
 from galewood.player.instances import TreeInstances
 from galewood.search import last_records, still_records
 from galewood.table import Table
 from galewood.util import Array, Floats
 
-SNAP = 0.5
-"""Pose easing snaps to the record's pose once the offset and its speed are below half an integer step."""
-
-ANY = -1
-_REDUCTIONS = 8
-_TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(12)])
+_TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(EXPONENTIAL_TERMS)])
+"""Taylor series of exp(−t) for small t."""
 
 
 @numba.njit(cache=True, nogil=True)
 def gaussian(exponent):
     """1 − exp(−exponent) for exponent ≥ 0, by sums and products only: the same bits in all languages."""
-    t = min(exponent, 50.0) / 256.0
-    p = _TERMS[11]
-    for n in range(10, -1, -1):
+    t = min(exponent, 50.0) / 2.0**EXPONENTIAL_SQUARINGS
+    p = _TERMS[EXPONENTIAL_TERMS - 1]
+    for n in range(EXPONENTIAL_TERMS - 2, -1, -1):
         p = p * t + _TERMS[n]
-    for _ in range(_REDUCTIONS):
+    for _ in range(EXPONENTIAL_SQUARINGS):
         p = p * p
     return 1.0 - p
 
 
+class SearchArrays(NamedTuple):
+    """Search tensors of a table in the types of the computation."""
+
+    offsets: npt.NDArray[np.int64]
+    candidate: npt.NDArray[np.int64]
+    error: Floats  # (nnz,) E_int
+    pressure: Floats  # (z, 2) Pa
+    calm: npt.NDArray[np.bool_]  # (z,) no wind acts
+    barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory
+    by_x: npt.NDArray[np.int64]  # (z,) records sorted by pressure along x
+    half_precision: float  # 1 / (2 σ²), Pa⁻²
+
+
 @numba.njit(cache=True, nogil=True)
-def nearest_pressure(pressure, by_x, barred, calm, air, fx, fz):
+def nearest_pressure(search, air, fx, fz):
     """First step (Algorithm 1, line 2): the record with a successor and the nearest pressure to (fx, fz), Pa.
 
-    Ties go to the lowest record. ``by_x`` are the records sorted by pressure along x; they are visited
-    outwards from fx until that component alone exceeds the best distance. ``air`` as in ``best_candidate``.
-    Returns −1 if there is no such record.
+    Ties go to the lowest record. The records are visited in the order of their pressures along x, outwards
+    from fx, until that component alone exceeds the best distance. ``search`` are SearchArrays, ``air`` as in
+    ``best_candidate``. Returns −1 if there is no such record.
     """
+    pressure, by_x = search.pressure, search.by_x
     below, above = 0, len(by_x)
     while below < above:
         middle = (below + above) // 2
@@ -74,29 +89,30 @@ def nearest_pressure(pressure, by_x, barred, calm, air, fx, fz):
             break
         distance = dx * dx + dz * dz
         better = distance < best or (distance == best and j < found)
-        if better and not barred[j] and (air == ANY or calm[j] == air):
+        if better and not search.barred[j] and (air == SEARCH_ANY_AIR or search.calm[j] == air):
             best, found = distance, j
     return found
 
 
 @numba.njit(cache=True, nogil=True)
-def best_candidate(offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz):
+def best_candidate(search, state, weight, air, fx, fz):
     """Later steps (Algorithm 1, lines 7–9): the candidate of least total error (Eq. 16).
 
     Ties go to the successor of the last record, then to the lowest record. Candidates are sorted by internal
     error, so the search stops once that alone exceeds the best total. ``air`` restricts the search to records
-    of moving air (0) or still air (1); ANY allows all. Returns −1 if there is no such record.
+    of moving air (0) or still air (1); SEARCH_ANY_AIR allows all. Returns −1 if there is no such record.
     """
+    pressure = search.pressure
     best, found = np.inf, -1
-    for s in range(offsets[state], offsets[state + 1]):
-        internal = (1.0 - weight) * error[s]
+    for s in range(search.offsets[state], search.offsets[state + 1]):
+        internal = (1.0 - weight) * search.error[s]
         if internal > best:
             break
-        j = candidate[s]
-        if air != ANY and calm[j] != air:
+        j = search.candidate[s]
+        if air != SEARCH_ANY_AIR and search.calm[j] != air:
             continue
         dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
-        total = internal + weight * gaussian((dx * dx + dz * dz) * half_precision)
+        total = internal + weight * gaussian((dx * dx + dz * dz) * search.half_precision)
         if total < best or (total == best and (j == state or (found != state and j < found))):
             best, found = total, j
     return found
@@ -118,25 +134,11 @@ def brute_force(
         dx, dz = f[0] - pressure[j, 0], f[1] - pressure[j, 1]
         external = gaussian((dx * dx + dz * dz) * half_precision)
         total = (1.0 - weight) * error_row[j] + weight * external
-        allowed = air == ANY or bool(air) == (not pressure[j].any())
+        allowed = air == SEARCH_ANY_AIR or bool(air) == (not pressure[j].any())
         better = total < best or (total == best and j == state)
         if better and allowed and not barred[j]:
             best, found = total, j
     return found
-
-
-@dataclass(frozen=True)
-class SearchArrays:
-    """Search tensors of a table in the types of the computation."""
-
-    offsets: npt.NDArray[np.int64]
-    candidate: npt.NDArray[np.int64]
-    error: Floats  # (nnz,) E_int
-    pressure: Floats  # (z, 2) Pa
-    calm: npt.NDArray[np.bool_]  # (z,) no wind acts
-    barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory
-    by_x: npt.NDArray[np.int64]  # (z,) records sorted by pressure along x
-    half_precision: float  # 1 / (2 σ²), Pa⁻²
 
 
 def search_arrays(table: Table) -> SearchArrays:
@@ -171,27 +173,29 @@ def _ease(poses, dq, first, found, easing, now, before):
         speed = keep * ((now[k] - before[k]) - came) - pull * offset
         before[k] = now[k]
         now[k] = poses[found + 1, k] + (offset + speed)
-        settled = settled and abs(offset + speed) < SNAP and abs(speed) < SNAP
+        settled = settled and abs(offset + speed) < SEARCH_SNAP and abs(speed) < SEARCH_SNAP
     if settled:
         for k in range(len(now)):
             now[k] = poses[found + 1, k]
 
 
 @numba.njit(cache=True, nogil=True)
-def _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before):
+def _step(lookup, rule, i, fx, fz, state):
     """Step tree i: find the record, take over the state of its successor and add its Δq (Algorithm 1)."""
+    search, dq = lookup.search, lookup.dq
+    record, weight, now, before = state
     initial, maximum, growth, easing, separate_still_air = rule
-    air = ANY
+    air = SEARCH_ANY_AIR
     if separate_still_air:
         air = 1 if fx == 0.0 and fz == 0.0 else 0
     found = _find(search, record[i] + 1, weight[i], air, fx, fz)
     if found < 0:  # no record of such air in the table: search all
-        found = _find(search, record[i] + 1, weight[i], ANY, fx, fz)
+        found = _find(search, record[i] + 1, weight[i], SEARCH_ANY_AIR, fx, fz)
     follows = found == record[i] + 1 and record[i] >= 0
     weight[i] = min(maximum, weight[i] + growth) if follows else initial
     record[i] = found
     if easing > 0.0:
-        _ease(poses, dq, starts[found], found, easing, now[i], before[i])
+        _ease(lookup.poses, dq, lookup.starts[found], found, easing, now[i], before[i])
     else:
         for k in range(dq.shape[1]):
             before[i, k] = now[i, k]
@@ -204,26 +208,27 @@ def _find(search, state, weight, air, fx, fz):
 
     If wind sets in on a tree in still air, the search starts again with a first step.
     """
-    offsets, candidate, error, pressure, calm, barred, by_x, half_precision = search
-    if state == 0 or (air == 0 and calm[state]):
-        return nearest_pressure(pressure, by_x, barred, calm, air, fx, fz)
-    return best_candidate(
-        offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz
-    )
+    if state == 0 or (air == 0 and search.calm[state]):
+        return nearest_pressure(search, air, fx, fz)
+    return best_candidate(search, state, weight, air, fx, fz)
 
 
 @numba.njit(cache=True, nogil=True)
-def _advance(
-    search, dq, poses, starts, scale, rule, rate, turn, px, pz, record, weight, phase, now, before, q
-):
-    """Advance all trees by ``rate`` steps each and write the interpolated poses to q (count, r or more)."""
-    for i in range(len(record)):
+def _advance(lookup, scale, rule, rate, turn, pressure, phase, state, q):
+    """Advance all trees by ``rate`` steps each and write the interpolated poses to q (count, r or more).
+
+    ``lookup`` are LookupArrays; ``state`` holds record and weight (count,) and the poses of the last step and
+    of that before (count, r).
+    """
+    px, pz = pressure
+    _, _, now, before = state
+    for i in range(len(phase)):
         fx = turn[i, 0] * px[i] - turn[i, 1] * pz[i]
         fz = turn[i, 1] * px[i] + turn[i, 0] * pz[i]
         phase[i] += rate[i]
         steps = 0
         while phase[i] >= 1.0 and steps < MAX_STEPS_PER_ADVANCE:
-            _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before)
+            _step(lookup, rule, i, fx, fz, state)
             phase[i] -= 1.0
             steps += 1
         phase[i] -= np.floor(phase[i])
@@ -231,11 +236,10 @@ def _advance(
             q[i, k] = (before[i, k] + (now[i, k] - before[i, k]) * phase[i]) * scale[k]
 
 
-@dataclass(frozen=True)
-class LookupArrays:
+class LookupArrays(NamedTuple):
     """Read-only arrays that all forests of a table share."""
 
-    search: tuple[Any, ...]  # fields of SearchArrays, in order
+    search: SearchArrays
     dq: Floats  # (z, r) in units of mode_scale
     poses: Floats  # (z, r)
     starts: npt.NDArray[np.bool_]  # (z,) first of a trajectory
@@ -254,11 +258,11 @@ def lookup_arrays(table: Table) -> LookupArrays:
 
 
 def _widened(table: Table) -> LookupArrays:
-    arrays, records = search_arrays(table), table.records
+    records = table.records
     starts = np.zeros(len(records.dq), np.bool_)
     starts[records.trajectory[:-1].astype(np.int64)] = True
-    search = (*(getattr(arrays, name) for name in SearchArrays.__dataclass_fields__),)
-    return LookupArrays(search, records.dq.astype(np.float64), records.pose().astype(np.float64), starts)
+    dq, poses = records.dq.astype(np.float64), records.pose().astype(np.float64)
+    return LookupArrays(search_arrays(table), dq, poses, starts)
 
 
 class PaperForest(TreeInstances):
@@ -275,10 +279,7 @@ class PaperForest(TreeInstances):
         super().__init__(count, table.mode_scale, float(table.metadata["dt_s"]), table.fitted_modes)
         metadata = table.records.metadata
         easing = metadata["pose_easing"] if pose_easing is None else pose_easing
-        arrays = lookup_arrays(table)
-        self._search, self._dq, self._poses, self._starts = (
-            arrays.search, arrays.dq, arrays.poses, arrays.starts,
-        )  # fmt: skip
+        self._lookup = lookup_arrays(table)
         weight = metadata["weight"]
         self._rule = (
             float(weight["initial"]),
@@ -293,8 +294,16 @@ class PaperForest(TreeInstances):
 
     def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
         """Advance by dt_s seconds under world pressures (count,) in Pa. Large trees step slower."""
-        px, pz = self._begin(dt_s, pressure_x, pressure_z)
+        pressure = self._begin(dt_s, pressure_x, pressure_z)
+        state = (self.record, self._weight, self._now, self._before)
         _advance(
-            self._search, self._dq, self._poses, self._starts, self._scale, self._rule, self._rate,
-            self._turn, px, pz, self.record, self._weight, self._phase, self._now, self._before, self.q,
-        )  # fmt: skip
+            self._lookup,
+            self._scale,
+            self._rule,
+            self._rate,
+            self._turn,
+            pressure,
+            self._phase,
+            state,
+            self.q,
+        )

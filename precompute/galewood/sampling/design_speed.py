@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from galewood.constants import STREAMLINED_EXPONENT
 from galewood.sampling.recording import Body
-from galewood.wind import STREAMLINED_EXPONENT, dynamic_pressure
+from galewood.wind import dynamic_pressure
 
 MAX_SWAY_SHARE = 0.2
 """Relative to the height, under the steady design wind."""

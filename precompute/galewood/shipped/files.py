@@ -16,8 +16,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from galewood.table import VERSION, read_metadata
-from galewood.util import write_whole
+from galewood.constants import TABLE_VERSION
+from galewood.table import read_metadata
+from galewood.util import write_atomically
 from galewood.versions import SAMPLING_VERSION
 
 SHIPPED_FOLDER = "shipped"
@@ -49,7 +50,7 @@ def build_key(source: bytes, options: dict[str, Any]) -> str:
     source_sha256 = hashlib.sha256(source).hexdigest()
     # 14 and 14.0 are the same height
     plain = {name: int(v) if isinstance(v, float) and v.is_integer() else v for name, v in options.items()}
-    parts = json.dumps([source_sha256, plain, VERSION, SAMPLING_VERSION], sort_keys=True)
+    parts = json.dumps([source_sha256, plain, TABLE_VERSION, SAMPLING_VERSION], sort_keys=True)
     return hashlib.sha256(parts.encode()).hexdigest()
 
 
@@ -58,7 +59,7 @@ def write_shipped(folder: Path, name: str, key: str, tree: ShippedTree) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     contents = _contents(name, tree)
     for file, content in contents.items():
-        write_whole(folder / file, content)
+        write_atomically(folder / file, content)
     index = {
         "key": key,
         "software": read_metadata(tree.table)["provenance"].get("software"),
@@ -66,7 +67,7 @@ def write_shipped(folder: Path, name: str, key: str, tree: ShippedTree) -> None:
         "files": {file: hashlib.sha256(content).hexdigest() for file, content in contents.items()},
         "report": tree.report,
     }
-    write_whole(folder / f"{name}.json", (json.dumps(index, indent=1) + "\n").encode())
+    write_atomically(folder / f"{name}.json", (json.dumps(index, indent=1) + "\n").encode())
 
 
 def read_shipped(folder: Path, name: str, key: str) -> ShippedTree | None:

@@ -1,7 +1,6 @@
 """The compliance file: how a tree yields to small point forces (docs/formats/compliance.md).
 
-Twin: web/player/src/core/pull/compliance.ts. ``decode_compliance`` checks everything, so that a decoded file
-can be solved without bounds checks.
+``decode_compliance`` checks everything, so that a decoded file can be solved without bounds checks.
 """
 
 from __future__ import annotations
@@ -11,6 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from galewood.constants import (
+    BINDING_CORNERS,
+    COMPLIANCE_FORMAT,
+    COMPLIANCE_TENSORS,
+    COMPLIANCE_VERSION,
+    MAX_COMPLIANCE_NODES,
+    WHOLE_WEIGHT,
+)
 from galewood.table.container import (
     Layout,
     Metadata,
@@ -18,6 +25,7 @@ from galewood.table.container import (
     check_format,
     check_shapes,
     fields,
+    layout,
     need,
     read_metadata,
     read_tensors,
@@ -25,14 +33,6 @@ from galewood.table.container import (
     whole,
     write,
 )
-
-COMPLIANCE_FORMAT = "galewood-compliance"
-COMPLIANCE_VERSION = 1
-MOST_NODES = 65534
-CORNERS = 4
-"""Points of the solid that a vertex of the render mesh follows."""
-WHOLE_WEIGHT = 65535
-"""Sum of the weights of a row."""
 
 
 @dataclass(frozen=True)
@@ -59,16 +59,19 @@ class Compliance:
         return len(self.mass_kg)
 
 
-TENSORS: Layout = {
-    "factor.pointer": ("pointer", np.uint32, 1),
-    "factor.rows": ("rows", np.uint16, 1),
-    "factor.blocks": ("blocks", np.float32, 2),
-    "nodes.mass_kg": ("mass_kg", np.float32, 1),
-    "nodes.limit_n": ("limit_n", np.float32, 1),
-    "bind.node": ("node", np.uint16, 2),
-    "bind.weight": ("weight", np.uint16, 2),
-    "bind.vertex_row": ("vertex_row", np.uint32, 1),
-}
+COMPLIANCE_LAYOUT: Layout = layout(
+    COMPLIANCE_TENSORS,
+    {
+        "factor.pointer": "pointer",
+        "factor.rows": "rows",
+        "factor.blocks": "blocks",
+        "nodes.mass_kg": "mass_kg",
+        "nodes.limit_n": "limit_n",
+        "bind.node": "node",
+        "bind.weight": "weight",
+        "bind.vertex_row": "vertex_row",
+    },
+)
 
 
 def encode_compliance(compliance: Compliance) -> bytes:
@@ -81,7 +84,7 @@ def encode_compliance(compliance: Compliance) -> bytes:
         "nodes": compliance.free,
         "vertices": len(compliance.vertex_row),
     }
-    return write(tensors_of(compliance, TENSORS), metadata)
+    return write(tensors_of(compliance, COMPLIANCE_LAYOUT), metadata)
 
 
 def decode_compliance(data: bytes) -> Compliance:
@@ -89,26 +92,29 @@ def decode_compliance(data: bytes) -> Compliance:
     metadata = read_metadata(data)
     check_format(metadata, COMPLIANCE_FORMAT, COMPLIANCE_VERSION)
     tensors = read_tensors(data)
-    extra = set(tensors) - set(TENSORS)
+    extra = set(tensors) - set(COMPLIANCE_LAYOUT)
     need(not extra, f"unknown tensor {sorted(extra)[:1]!r:.60}")
-    compliance = Compliance(str(metadata.get("mesh_sha256")), **fields(tensors, TENSORS))
-    need(whole(metadata, "nodes", MOST_NODES) == compliance.free, "metadata nodes: not that of the tensors")
+    compliance = Compliance(str(metadata.get("mesh_sha256")), **fields(tensors, COMPLIANCE_LAYOUT))
+    need(
+        whole(metadata, "nodes", MAX_COMPLIANCE_NODES) == compliance.free,
+        "metadata nodes: not that of the tensors",
+    )
     _check(compliance)
     return compliance
 
 
 def _check(compliance: Compliance) -> None:
     n, b = compliance.free, len(compliance.rows)
-    need(1 <= n <= MOST_NODES, f"tensor nodes.mass_kg: expected 1 to {MOST_NODES} nodes")
+    need(1 <= n <= MAX_COMPLIANCE_NODES, f"tensor nodes.mass_kg: expected 1 to {MAX_COMPLIANCE_NODES} nodes")
     shapes = {
         "factor.pointer": (n + 1,),
         "factor.blocks": (b, 9),
         "nodes.limit_n": (n,),
-        "bind.weight": (len(compliance.node), CORNERS),
-        "bind.node": (len(compliance.node), CORNERS),
+        "bind.weight": (len(compliance.node), BINDING_CORNERS),
+        "bind.node": (len(compliance.node), BINDING_CORNERS),
     }
-    check_shapes(compliance, TENSORS, shapes)
-    check_finite(compliance, TENSORS)
+    check_shapes(compliance, COMPLIANCE_LAYOUT, shapes)
+    check_finite(compliance, COMPLIANCE_LAYOUT)
     _check_factor(compliance, n, b)
     need(bool((compliance.mass_kg > 0).all()), "tensor nodes.mass_kg: must be positive")
     need(bool((compliance.limit_n > 0).all()), "tensor nodes.limit_n: must be positive")

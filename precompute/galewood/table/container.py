@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
+from galewood.constants import MAX_TABLE_HEADER_BYTES
 from galewood.util import Array
-
-MAX_HEADER_BYTES = 1 << 20
 
 Metadata = dict[str, Any]
 Foliage = Literal["leaf", "bare"]
-"""Whether a tree bears its leaves: a bare tree has only the mass and the wind area of its wood."""
+"""Whether a tree has its leaves: a bare tree has only the mass and the wind area of its wood."""
 Layout = dict[str, tuple[str, Any, int]]
 """Name in the file → (field of the dataclass, type, rank)."""
+TYPES = {"F32": np.float32, "I16": np.int16, "U16": np.uint16, "U32": np.uint32}
+"""By their names in safetensors."""
 
 
 class TableError(ValueError):
@@ -57,7 +59,7 @@ def read_metadata(data: bytes) -> Metadata:
     if len(data) < 8:
         raise TableError("truncated table file: no header")
     length = int.from_bytes(data[:8], "little")
-    if length > MAX_HEADER_BYTES or 8 + length > len(data):
+    if length > MAX_TABLE_HEADER_BYTES or 8 + length > len(data):
         raise TableError("truncated table file, or not a table: the header does not fit")
     try:
         header = json.loads(data[8 : 8 + length])
@@ -78,6 +80,11 @@ def check_format(metadata: Metadata, name: str, version: int) -> None:
         given == version and given is not True,
         f"{kind} version {given!r:.40}; this reader knows version {version}",
     )
+
+
+def layout(tensors: Mapping[str, tuple[str, int]], fields: Mapping[str, str]) -> Layout:
+    """The layout of tensors (name → type and rank) whose values are these fields (name → field)."""
+    return {name: (fields[name], TYPES[kind], rank) for name, (kind, rank) in tensors.items()}
 
 
 def read_tensors(data: bytes) -> dict[str, Array]:

@@ -1,5 +1,4 @@
 """The table format: one safetensors file per species (docs/formats/table.md).
-Twin: web/player/src/core/table/table.ts.
 
 ``decode`` checks everything that readers rely on, so that a decoded table can be searched without bounds
 checks.
@@ -14,6 +13,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from galewood.constants import (
+    MAX_DRAG_POINTS,
+    MAX_GUST_OSCILLATORS,
+    MAX_GUST_PLACES,
+    MAX_MODES,
+    MAX_OSCILLATORS,
+    TABLE_FORMAT,
+    TABLE_RANGES,
+    TABLE_TENSORS,
+    TABLE_VERSION,
+)
 from galewood.table.container import (
     Foliage,
     Layout,
@@ -24,6 +34,7 @@ from galewood.table.container import (
     check_shapes,
     fields,
     foliage_of,
+    layout,
     need,
     number,
     read_metadata,
@@ -33,7 +44,7 @@ from galewood.table.container import (
     write,
 )
 from galewood.table.records import (
-    RECORD_TENSORS,
+    RECORDS_LAYOUT,
     Records,
     check_records,
     decode_records,
@@ -43,12 +54,6 @@ from galewood.table.records import (
 
 if TYPE_CHECKING:
     from galewood.modal import GustTensors, ModalTensors
-
-FORMAT = "galewood-table"
-VERSION = 1
-MAX_DYNAMIC = 64
-MAX_DRAG_POINTS = 32
-MAX_GUST_PLACES, MAX_GUST_OSCILLATORS = 32, 64
 
 
 @dataclass(frozen=True)
@@ -138,31 +143,34 @@ class Table:
         return foliage_of(self.metadata)
 
 
-TENSORS: Layout = {
-    "modes.scale": ("mode_scale", np.float32, 1),
-    "nodes.basis": ("node_basis", np.float32, 3),
-    "nodes.rest_m": ("node_rest_m", np.float32, 2),
-    "nodes.turn": ("node_turn", np.float32, 3),
-    "nodes.parent": ("node_parent", np.uint16, 1),
-    "joints.nodes": ("joint_nodes", np.uint16, 2),
-    "joints.share": ("joint_share", np.float32, 1),
-    "joints.rest_m": ("joint_rest_m", np.float32, 2),
-    "render.vertex_joint": ("vertex_joint", np.uint16, 1),
-    "modal.step": ("modal_step", np.float32, 2),
-    "modal.load": ("modal_load", np.float32, 2),
-    "modal.sway": ("modal_sway", np.float32, 2),
-    "modal.force": ("modal_force", np.float32, 2),
-    "modal.shown": ("modal_shown", np.float32, 1),
-    "modal.pose": ("modal_pose", np.float32, 2),
-    "modal.limits": ("modal_limits", np.float32, 1),
-    "modal.drag_point": ("modal_drag_point", np.float32, 2),
-    "modal.drag_shape": ("modal_drag_shape", np.float32, 3),
-    "modal.drag_rest": ("modal_drag_rest", np.float32, 1),
-    "gusts.place": ("gust_place", np.float32, 2),
-    "gusts.step": ("gust_step", np.float32, 2),
-    "gusts.load": ("gust_load", np.float32, 2),
-    "gusts.drag": ("gust_drag", np.float32, 1),
-}
+TABLE_LAYOUT: Layout = layout(
+    TABLE_TENSORS,
+    {
+        "modes.scale": "mode_scale",
+        "nodes.basis": "node_basis",
+        "nodes.rest_m": "node_rest_m",
+        "nodes.turn": "node_turn",
+        "nodes.parent": "node_parent",
+        "joints.nodes": "joint_nodes",
+        "joints.share": "joint_share",
+        "joints.rest_m": "joint_rest_m",
+        "render.vertex_joint": "vertex_joint",
+        "modal.step": "modal_step",
+        "modal.load": "modal_load",
+        "modal.sway": "modal_sway",
+        "modal.force": "modal_force",
+        "modal.shown": "modal_shown",
+        "modal.pose": "modal_pose",
+        "modal.limits": "modal_limits",
+        "modal.drag_point": "modal_drag_point",
+        "modal.drag_shape": "modal_drag_shape",
+        "modal.drag_rest": "modal_drag_rest",
+        "gusts.place": "gust_place",
+        "gusts.step": "gust_step",
+        "gusts.load": "gust_load",
+        "gusts.drag": "gust_drag",
+    },
+)
 
 
 def without_gusts(table: Table) -> Table:
@@ -184,7 +192,7 @@ def without_gusts(table: Table) -> Table:
 def encode(table: Table) -> bytes:
     """Encode a table, with its records if it has any. Raises TableError if ``decode`` would refuse it."""
     check(table)
-    tensors, metadata = tensors_of(table, TENSORS), dict(table.metadata)
+    tensors, metadata = tensors_of(table, TABLE_LAYOUT), dict(table.metadata)
     if table.paper is not None:
         tensors |= record_tensors(table.paper)
         metadata["paper"] = table.paper.metadata
@@ -194,14 +202,14 @@ def encode(table: Table) -> bytes:
 def decode(data: bytes, records: bytes | None = None) -> Table:
     """Decode the bytes of a table file, and of the records file that belongs to it. Raises TableError."""
     metadata = read_metadata(data)
-    check_format(metadata, FORMAT, VERSION)
+    check_format(metadata, TABLE_FORMAT, TABLE_VERSION)
     tensors = read_tensors(data)
-    extra = set(tensors) - set(TENSORS) - set(RECORD_TENSORS)
+    extra = set(tensors) - set(TABLE_LAYOUT) - set(RECORDS_LAYOUT)
     if extra:
         raise TableError(f"unknown tensor {sorted(extra)[0]:.60}")
     paper = metadata.pop("paper", None)
-    need(paper is not None or not set(tensors) & set(RECORD_TENSORS), "metadata paper: missing")
-    table = Table(metadata, **fields(tensors, TENSORS))
+    need(paper is not None or not set(tensors) & set(RECORDS_LAYOUT), "metadata paper: missing")
+    table = Table(metadata, **fields(tensors, TABLE_LAYOUT))
     check(table)
     if paper is not None:
         return replace(table, paper=read_records(paper, tensors, table.fitted_modes))
@@ -228,16 +236,10 @@ def check(table: Table) -> None:
 
 def check_metadata(metadata: Metadata) -> None:
     """Check format, version and all numbers that readers use. Raises TableError."""
-    check_format(metadata, FORMAT, VERSION)
-    for name, low, high in (
-        ("height_m", 0.01, 1000.0),
-        ("dt_s", 1e-4, 1.0),
-        ("design_speed_m_s", 0.0, 100.0),
-        ("peak_pressure_pa", 0.0, 1e9),
-        ("reach_m", 0.0, 1e4),
-    ):
+    check_format(metadata, TABLE_FORMAT, TABLE_VERSION)
+    for name, (low, high) in TABLE_RANGES.items():
         number(metadata, name, low, high)
-    whole(metadata, "modes", 256)
+    whole(metadata, "modes", MAX_MODES)
     foliage_of(metadata)
     need(isinstance(metadata.get("primitives"), list), "metadata primitives: expected a list")
     for primitive in metadata["primitives"]:
@@ -257,7 +259,7 @@ def _check_shapes(table: Table) -> None:
     )
     need(places <= MAX_GUST_PLACES, f"tensor gusts.place: expected at most {MAX_GUST_PLACES} rows")
     fitted = r - oscillators
-    most = min(MAX_DYNAMIC, fitted)
+    most = min(MAX_OSCILLATORS, fitted)
     need(2 <= d <= most, f"tensor modal.step: expected 2..{most} rows")
     c, odd = divmod(len(table.modal_limits) - 3, 2)
     need(not odd and 0 <= c <= d - 2, f"tensor modal.limits: expected 3, 5, … {2 * d - 1} numbers")
@@ -288,11 +290,11 @@ def _check_shapes(table: Table) -> None:
         "gusts.load": (oscillators, 2 * places),
         "gusts.drag": (oscillators,),
     }
-    check_shapes(table, TENSORS, expected)
+    check_shapes(table, TABLE_LAYOUT, expected)
 
 
 def _check_numbers(table: Table) -> None:
-    check_finite(table, TENSORS)
+    check_finite(table, TABLE_LAYOUT)
     need(bool((table.mode_scale > 0).all()), "tensor modes.scale: not positive")
     nodes = np.arange(len(table.node_rest_m))
     need(bool((table.node_parent <= nodes).all()), "tensor nodes.parent: a node that does not come later")

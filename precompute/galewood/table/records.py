@@ -1,4 +1,4 @@
-"""The records of the paper's state search: part of a table, or a file of their own that follows later."""
+"""The records of the paper's state search: part of a table, or a separate file that follows later."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from galewood.constants import MAX_MODES, RECORD_TENSORS, RECORDS_FORMAT, RECORDS_VERSION
 from galewood.table.container import (
     Layout,
     Metadata,
@@ -16,6 +17,7 @@ from galewood.table.container import (
     check_format,
     check_shapes,
     fields,
+    layout,
     need,
     number,
     read_metadata,
@@ -25,9 +27,6 @@ from galewood.table.container import (
     write,
 )
 from galewood.util import Array
-
-RECORDS_FORMAT = "galewood-records"
-RECORDS_VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -51,14 +50,17 @@ class Records:
         return before.astype(np.int32)
 
 
-RECORD_TENSORS: Layout = {
-    "samples.dq": ("dq", np.int16, 2),
-    "samples.pressure_pa": ("pressure_pa", np.float32, 2),
-    "samples.trajectory": ("trajectory", np.uint32, 1),
-    "search.offsets": ("offsets", np.uint32, 1),
-    "search.record": ("candidate", np.uint16, 1),
-    "search.mismatch_steps": ("mismatches", np.uint16, 1),
-}
+RECORDS_LAYOUT: Layout = layout(
+    RECORD_TENSORS,
+    {
+        "samples.dq": "dq",
+        "samples.pressure_pa": "pressure_pa",
+        "samples.trajectory": "trajectory",
+        "search.offsets": "offsets",
+        "search.record": "candidate",
+        "search.mismatch_steps": "mismatches",
+    },
+)
 
 
 def encode_records(records: Records, table_sha256: str) -> bytes:
@@ -82,15 +84,15 @@ def decode_records(data: bytes) -> tuple[Records, str]:
     if not isinstance(table_sha256, str):
         raise TableError("metadata table_sha256: expected a string")
     tensors = read_tensors(data)
-    extra = set(tensors) - set(RECORD_TENSORS)
+    extra = set(tensors) - set(RECORDS_LAYOUT)
     if extra:
         raise TableError(f"unknown tensor {sorted(extra)[0]:.60}")
-    return read_records(metadata.get("paper"), tensors, whole(metadata, "modes", 256)), table_sha256
+    return read_records(metadata.get("paper"), tensors, whole(metadata, "modes", MAX_MODES)), table_sha256
 
 
 def record_tensors(records: Records) -> dict[str, Array]:
     """The tensors of the records as they are stored."""
-    tensors = tensors_of(records, RECORD_TENSORS)
+    tensors = tensors_of(records, RECORDS_LAYOUT)
     tensors["search.mismatch_steps"] = _differences(records.mismatches, records.offsets)
     return tensors
 
@@ -100,7 +102,7 @@ def read_records(metadata: object, tensors: dict[str, Array], modes: int) -> Rec
     if not isinstance(metadata, dict):
         raise TableError("metadata paper: expected an object")
     _check_metadata(metadata)
-    records = Records(metadata, **fields(tensors, RECORD_TENSORS))
+    records = Records(metadata, **fields(tensors, RECORDS_LAYOUT))
     _check_shapes(records, modes)
     _check_offsets(records)
     records = replace(records, mismatches=_sums(records.mismatches, records.offsets))
@@ -112,7 +114,7 @@ def check_records(records: Records, modes: int) -> None:
     """Raise TableError unless the records conform to the format."""
     _check_metadata(records.metadata)
     _check_shapes(records, modes)
-    check_finite(records, RECORD_TENSORS)
+    check_finite(records, RECORDS_LAYOUT)
     _check_trajectories(records)
     _check_search(records)
 
@@ -153,7 +155,7 @@ def _check_shapes(records: Records, modes: int) -> None:
         "search.offsets": (z + 1,),
         "search.mismatch_steps": (len(records.candidate),),
     }
-    check_shapes(records, RECORD_TENSORS, expected)
+    check_shapes(records, RECORDS_LAYOUT, expected)
 
 
 def _check_trajectories(records: Records) -> None:

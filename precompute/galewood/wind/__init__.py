@@ -6,7 +6,7 @@ Documents are cheap to import; the names that evaluate the wind load numba and a
 from typing import TYPE_CHECKING
 
 from galewood.util import lazily
-from galewood.wind.document import MODELS, Wind, WindError, parse_wind
+from galewood.wind.document import Wind, WindError, parse_wind
 from galewood.wind.presets import PRESETS
 from galewood.wind.transition import WindState, change_wind, parse_wind_or_state, with_front
 
@@ -16,30 +16,24 @@ if TYPE_CHECKING:
     from galewood.wind.field import WindField
     from galewood.wind.measured.errors import MeasurementError
     from galewood.wind.measured.reading import Measurement, read_measurement
+    from galewood.wind.measured.report import MeasurementReport
+    from galewood.wind.measured.samples import is_measurement
     from galewood.wind.pressure import (
-        HALF_AIR_DENSITY_KG_M3,
-        STREAMLINED_EXPONENT,
-        STREAMLINING_SPEED_M_S,
         compress_pressure,
         dynamic_pressure,
         height_factor,
         limit_pressure,
         pressure_per_speed,
-        sampled_peak_pa,
         speed_of_pressure,
         to_tree_frame,
     )
 
 _PRESSURE = (
-    "HALF_AIR_DENSITY_KG_M3",
-    "STREAMLINED_EXPONENT",
-    "STREAMLINING_SPEED_M_S",
     "compress_pressure",
     "dynamic_pressure",
     "height_factor",
     "limit_pressure",
     "pressure_per_speed",
-    "sampled_peak_pa",
     "speed_of_pressure",
     "to_tree_frame",
 )
@@ -48,7 +42,9 @@ __getattr__ = lazily(
     {
         "Measurement": "galewood.wind.measured.reading",
         "MeasurementError": "galewood.wind.measured.errors",
+        "MeasurementReport": "galewood.wind.measured.report",
         "WindField": "galewood.wind.field",
+        "is_measurement": "galewood.wind.measured.samples",
         "read_measurement": "galewood.wind.measured.reading",
         **dict.fromkeys(("crown_carried", "crown_field", "write_gusts"), "galewood.wind.crown"),
         "wind_pressure": "galewood.wind.evaluation",
@@ -56,13 +52,10 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
-    "HALF_AIR_DENSITY_KG_M3",
-    "MODELS",
     "PRESETS",
-    "STREAMLINED_EXPONENT",
-    "STREAMLINING_SPEED_M_S",
     "Measurement",
     "MeasurementError",
+    "MeasurementReport",
     "Wind",
     "WindError",
     "WindField",
@@ -73,12 +66,12 @@ __all__ = [
     "crown_field",
     "dynamic_pressure",
     "height_factor",
+    "is_measurement",
     "limit_pressure",
     "parse_wind",
     "parse_wind_or_state",
     "pressure_per_speed",
     "read_measurement",
-    "sampled_peak_pa",
     "speed_of_pressure",
     "to_tree_frame",
     "wind_pressure",

@@ -3,7 +3,7 @@
 A frozen, periodic velocity field is carried over the forest by the wind (Taylor's hypothesis). It is a sum of
 plane waves of 3 to 12 m, each across its own direction, so that the field is free of divergence. Their power
 per octave falls with the 2/3 power of the wavelength, as in the inertial range (Kolmogorov 1941). Gusts reach
-the top of a crown first. Specified in docs/formats/wind.md; twin: web/player/src/core/wind/crown.ts.
+the top of a crown first. Specified in docs/formats/wind.md.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -17,53 +17,43 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
+from galewood.constants import (
+    CROWN_CELL_M,
+    CROWN_CELLS,
+    CROWN_FEWEST_PERIODS,
+    CROWN_INTENSITY,
+    CROWN_LEAN_ACROSS,
+    CROWN_LEAN_ALONG,
+    CROWN_MOST_GUST,
+    CROWN_MOST_PERIODS,
+    CROWN_SLANT,
+    CROWN_WAVES,
+    HASH_TURN_RAD,
+    STREAMLINED_EXPONENT,
+    STREAMLINING_PRESSURE_PA,
+)
 from galewood.util import Floats
 from galewood.wind.models.hashing import hash32
-from galewood.wind.pressure import (
-    HALF_AIR_DENSITY_KG_M3,
-    STREAMLINED_EXPONENT,
-    STREAMLINING_SPEED_M_S,
-)
 
 if TYPE_CHECKING:
     from galewood.wind.transition import Moment
 
-CELLS = 64
-CELL_M = 0.75
-"""The field repeats after 48 m."""
-FEWEST_WAVES, MOST_WAVES = 4, 16
-"""Periods of the waves per field width: wavelengths of 12 to 3 m."""
-WAVES = 48
-INTENSITY = 0.6
-"""Standard deviation of each component over the mean speed, for a gustiness of 1.
-
-Assumed. Near the top of a canopy the turbulence intensity is about 0.5, and larger below (Raupach, Finnigan &
-Brunet 1996; unchecked); the gust models provide 0.3 at this gustiness.
-"""
-LEAN_ALONG, LEAN_ACROSS = -0.6, 0.8
-"""Metres by which the field is shifted per metre of height."""
-SLANT = 0.191
-"""Lateral drift, so that the periodic field does not return to the same tree."""
-MOST = 0.9
-"""Limit of the relative speed of a gust, which keeps the wind from turning back."""
-FIELDS = 64
-"""Fields that are kept, of 65 kB each: one for every forest of a server in a wind of its own."""
-TURN = 2.0 * math.pi / 4294967296.0
-STRONG_PA = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
+KEPT_FIELDS = 64
+"""Of 65 kB each: one for every forest of a server in a wind of its own."""
 
 
-@lru_cache(maxsize=FIELDS)
+@lru_cache(maxsize=KEPT_FIELDS)
 def crown_field(seed: int) -> Floats:
-    """(CELLS, CELLS, 2) velocity along and across the wind at the grid points, unit variance each."""
-    field = np.zeros((CELLS, CELLS, 2))
-    phase = np.arange(CELLS) * (2.0 * math.pi / CELLS)
-    for k in range(WAVES):
-        octave = (k + 0.5) / WAVES
-        number = FEWEST_WAVES * (MOST_WAVES / FEWEST_WAVES) ** octave
-        heading = hash32(seed, 3 * k) * TURN
+    """(cells, cells, 2) velocity along and across the wind at the grid points, unit variance each."""
+    field = np.zeros((CROWN_CELLS, CROWN_CELLS, 2))
+    phase = np.arange(CROWN_CELLS) * (2.0 * math.pi / CROWN_CELLS)
+    for k in range(CROWN_WAVES):
+        octave = (k + 0.5) / CROWN_WAVES
+        number = CROWN_FEWEST_PERIODS * (CROWN_MOST_PERIODS / CROWN_FEWEST_PERIODS) ** octave
+        heading = hash32(seed, 3 * k) * HASH_TURN_RAD
         m, n = math.floor(number * math.cos(heading) + 0.5), math.floor(number * math.sin(heading) + 0.5)
         size = math.hypot(m, n)
-        start = hash32(seed, 3 * k + 1) * TURN
+        start = hash32(seed, 3 * k + 1) * HASH_TURN_RAD
         wave = size ** (-1.0 / 3.0) * np.cos(n * phase[:, None] + m * phase[None, :] + start)
         field[..., 0] += wave * (-n / size)
         field[..., 1] += wave * (m / size)
@@ -80,25 +70,24 @@ def crown_carried(moment: Moment) -> tuple[float, float, float, float]:
     """
     wind = moment.wind
     heading = math.radians(wind.direction_deg)
-    share = INTENSITY * wind.gustiness * moment.crown.weight
+    share = CROWN_INTENSITY * wind.gustiness * moment.crown.weight
     return math.cos(heading), math.sin(heading), moment.travel * moment.crown.length_scale_m, share
 
 
 @numba.njit(cache=True, nogil=True)
-def write_gusts(
-    field, carried, places, x_m, z_m, turn, size, pressure_x, pressure_z, out
-):  # pragma: no cover  (compiled)
+def write_gusts(field, carried, places, x_m, z_m, turn, size, pressure, out):  # pragma: no cover  (compiled)
     """Write the relative pressures of the gusts at places of trees to out (count, 2G).
 
     ``field`` is from ``crown_field``, ``carried`` from ``crown_carried``; places (G, 3) are points of a tree,
-    m; turn (count, 2) cosine and sine of the yaw, size (count,) the scale; the pressures (count,), Pa, are
-    those at the trees. ``out`` has two numbers for each place: what the pressure there is in addition to that
-    at the tree, along it and across it, over its strength.
+    m; turn (count, 2) cosine and sine of the yaw, size (count,) the scale; ``pressure`` is that at the trees
+    along x and z, (count,) Pa. ``out`` has two numbers for each place: what the pressure there is in addition
+    to that at the tree, along it and across it, over its strength.
     """
     c, s, distance, intensity = carried
+    pressure_x, pressure_z = pressure
     for i in range(len(x_m)):
         square = pressure_x[i] * pressure_x[i] + pressure_z[i] * pressure_z[i]
-        growth = STREAMLINED_EXPONENT if square > STRONG_PA * STRONG_PA else 2.0
+        growth = STREAMLINED_EXPONENT if square > STREAMLINING_PRESSURE_PA * STREAMLINING_PRESSURE_PA else 2.0
         if intensity == 0.0 or square == 0.0:
             out[i, :] = 0.0
             continue
@@ -107,14 +96,14 @@ def write_gusts(
             x = x_m[i] + size[i] * (turn[i, 0] * places[g, 0] + turn[i, 1] * places[g, 2])
             z = z_m[i] + size[i] * (turn[i, 0] * places[g, 2] - turn[i, 1] * places[g, 0])
             y = size[i] * places[g, 1]
-            along = (c * x + s * z - distance + LEAN_ALONG * y) / CELL_M
-            across = (c * z - s * x + LEAN_ACROSS * y) / CELL_M + SLANT * along
+            along = (c * x + s * z - distance + CROWN_LEAN_ALONG * y) / CROWN_CELL_M
+            across = (c * z - s * x + CROWN_LEAN_ACROSS * y) / CROWN_CELL_M + CROWN_SLANT * along
             column, row = math.floor(along), math.floor(across)
             t, w = along - column, across - row
-            left, right = int(column) & (CELLS - 1), int(column + 1) & (CELLS - 1)
-            near, far = int(row) & (CELLS - 1), int(row + 1) & (CELLS - 1)
+            left, right = int(column) & (CROWN_CELLS - 1), int(column + 1) & (CROWN_CELLS - 1)
+            near, far = int(row) & (CROWN_CELLS - 1), int(row + 1) & (CROWN_CELLS - 1)
             for side in range(2):
                 first = field[near, left, side] + t * (field[near, right, side] - field[near, left, side])
                 last = field[far, left, side] + t * (field[far, right, side] - field[far, left, side])
-                gust = min(max(intensity * (first + w * (last - first)), -MOST), MOST)
+                gust = min(max(intensity * (first + w * (last - first)), -CROWN_MOST_GUST), CROWN_MOST_GUST)
                 out[i, 2 * g + side] = gust * (growth if side == 0 else 1.0)

@@ -6,8 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from galewood.constants import (
+    FOREST_WAVES,
+    MOST_WAVES,
+    UNUSED_LENGTH_SCALE_M,
+    WAVE_FIELDS,
+    WAVE_SHARE_TOLERANCE,
+    WIND_FIELDS,
+    WIND_LISTS,
+    WIND_MODELS,
+    WIND_VERSION,
+)
 from galewood.wind.fields import (
-    MODELS,
     Field,
     WindError,
     found_text,
@@ -17,33 +27,9 @@ from galewood.wind.fields import (
 )
 from galewood.wind.recording import STILL, Recording, recording_at
 
-VERSION = 1
-TRAVELLING = ("perlin", "spectral", "navier-stokes")
-"""Models whose gusts have a length scale and are advected by the air."""
-LISTS = {"cosine": ("waves",), "recorded": ("recording",)}
-"""Fields that are not numbers."""
-MOST_WAVES = 16
-SHARE_TOLERANCE = 1e-9
-
-
-FIELDS: dict[str, Field] = {
-    "mean_speed_m_s": Field(0.0, 60.0),
-    "direction_deg": Field(-360.0, 360.0),
-    "gustiness": Field(0.0, 1.0),
-    "convection_speed_m_s": Field(0.5, 60.0),
-    "seed": Field(0.0, 4294967295.0, whole=True),
-    "length_scale_m": Field(5.0, 200.0, TRAVELLING),
-    "beta": Field(0.0, 2.0, ("spectral",), 5.0 / 3.0),
-    "height_exponent": Field(0.0, 1.0, MODELS, 0.2),
-    "reference_height_m": Field(1.0, 60.0, MODELS, 12.0),
-    "heading_swing_deg": Field(0.0, 60.0, ("cosine",), 12.0),
-}
-WAVE_FIELDS: dict[str, Field] = {
-    "frequency_hz": Field(0.001, 4.0),
-    "share": Field(0.0, 1.0),
-    "across": Field(-2.0, 2.0, default=0.0),
-    "phase_turns": Field(0.0, 1.0, default=-1.0),
-}
+FIELDS = {name: Field(**field) for name, field in WIND_FIELDS.items()}
+"""Numbers of a wind document."""
+WAVE_RULES = {name: Field(**field) for name, field in WAVE_FIELDS.items()}
 
 
 @dataclass(frozen=True)
@@ -56,17 +42,8 @@ class Wave:
     phase_turns: float = -1.0
 
 
-FOREST_WAVES = (
-    Wave(0.05, 0.262, 0.6),
-    Wave(0.087, 0.218, -0.45),
-    Wave(0.152, 0.181, 0.75),
-    Wave(0.264, 0.15, -0.6),
-    Wave(0.46, 0.105, 0.5),
-    Wave(0.8, 0.084, -0.7),
-)
-"""The amplitudes decrease roughly as f^(−1/3), as a −5/3 power spectrum requires, and sum to one. ``across``
-is the wavenumber across the wind relative to that along it; alternating signs make the gusts cross.
-"""
+DEFAULT_WAVES = tuple(Wave(**wave) for wave in FOREST_WAVES)
+"""Waves of a cosine document without its own."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +56,12 @@ class Wind:
     convection_speed_m_s: float = 8.0
     seed: int = 1
     model: str = "cosine"
-    length_scale_m: float = 20.0
-    beta: float = 5.0 / 3.0
-    height_exponent: float = 0.2
-    reference_height_m: float = 12.0
-    heading_swing_deg: float = 12.0
-    waves: tuple[Wave, ...] = field(default=FOREST_WAVES)
+    length_scale_m: float = UNUSED_LENGTH_SCALE_M
+    beta: float = WIND_FIELDS["beta"]["default"]
+    height_exponent: float = WIND_FIELDS["height_exponent"]["default"]
+    reference_height_m: float = WIND_FIELDS["reference_height_m"]["default"]
+    heading_swing_deg: float = WIND_FIELDS["heading_swing_deg"]["default"]
+    waves: tuple[Wave, ...] = field(default=DEFAULT_WAVES)
     recording: Recording = STILL
     """The measured fluctuations; model recorded only."""
 
@@ -95,8 +72,8 @@ class Wind:
             for name, rule in FIELDS.items()
             if self.model in rule.models and getattr(self, name) != rule.default
         }
-        document: dict[str, object] = {"version": VERSION, "model": self.model, **numbers}
-        if self.model == "cosine" and self.waves != FOREST_WAVES:
+        document: dict[str, object] = {"version": WIND_VERSION, "model": self.model, **numbers}
+        if self.model == "cosine" and self.waves != DEFAULT_WAVES:
             document["waves"] = [_wave_document(wave) for wave in self.waves]
         if self.model == "recorded":
             document["recording"] = self.recording.document()
@@ -104,21 +81,21 @@ class Wind:
 
 
 def _wave_document(wave: Wave) -> dict[str, float]:
-    return {name: v for name, rule in WAVE_FIELDS.items() if (v := getattr(wave, name)) != rule.default}
+    return {name: v for name, rule in WAVE_RULES.items() if (v := getattr(wave, name)) != rule.default}
 
 
 def parse_wind(document: object) -> Wind:
     """Parse a wind document. Raises WindError with the invalid field and what is accepted there."""
     fields = object_at(document, "wind")
-    if fields.get("version") != VERSION or isinstance(fields.get("version"), bool):
+    if fields.get("version") != WIND_VERSION or isinstance(fields.get("version"), bool):
         raise WindError(
-            "wind.version", f"this reader knows version {VERSION}", found_text(fields.get("version"))
+            "wind.version", f"this reader knows version {WIND_VERSION}", found_text(fields.get("version"))
         )
     model = fields.get("model")
-    if not isinstance(model, str) or model not in MODELS:
-        raise WindError("wind.model", f"expected one of {', '.join(MODELS)}", found_text(model))
+    if not isinstance(model, str) or model not in WIND_MODELS:
+        raise WindError("wind.model", f"expected one of {', '.join(WIND_MODELS)}", found_text(model))
     rules = {name: rule for name, rule in FIELDS.items() if model in rule.models}
-    known = [*rules, "version", "model", *LISTS.get(model, ())]
+    known = [*rules, "version", "model", *WIND_LISTS.get(model, ())]
     refuse_unknown(fields, known, "wind", f"not a field of the {model} model")
     numbers: dict[str, Any] = {name: number_at(fields, name, rule, "wind") for name, rule in rules.items()}
     numbers["seed"] = int(numbers["seed"])
@@ -133,12 +110,12 @@ def _waves(value: object) -> tuple[Wave, ...]:
     if not isinstance(value, list | tuple) or not 1 <= len(cast(Sequence[object], value)) <= MOST_WAVES:
         raise WindError("wind.waves", f"expected a list of 1..{MOST_WAVES} waves")
     waves = tuple(_wave(wave, f"wind.waves[{k}]") for k, wave in enumerate(cast(Sequence[object], value)))
-    if sum(wave.share for wave in waves) > 1.0 + SHARE_TOLERANCE:
+    if sum(wave.share for wave in waves) > 1.0 + WAVE_SHARE_TOLERANCE:
         raise WindError("wind.waves", "expected shares that sum to at most 1")
     return waves
 
 
 def _wave(value: object, path: str) -> Wave:
     fields = object_at(value, path)
-    refuse_unknown(fields, list(WAVE_FIELDS), path, "not a field of a wave")
-    return Wave(**{name: number_at(fields, name, rule, path) for name, rule in WAVE_FIELDS.items()})
+    refuse_unknown(fields, list(WAVE_RULES), path, "not a field of a wave")
+    return Wave(**{name: number_at(fields, name, rule, path) for name, rule in WAVE_RULES.items()})

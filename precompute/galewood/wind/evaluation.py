@@ -1,8 +1,8 @@
 """Wind speed and heading at given positions and times, from a small document and a seed.
 
-Specified in docs/formats/wind.md. web/player/src/core/wind implements the same arithmetic in TypeScript;
-golden test vectors keep the two in step. Gusts are advected by the wind, so neighbouring trees move similarly
-but not in unison. Code that evaluates many frames of one forest should keep a ``WindField``.
+Specified in docs/formats/wind.md; golden test vectors keep Python and TypeScript in step. Gusts are advected
+by the wind, so neighbouring trees move similarly but not in unison. Code that evaluates many frames of one
+forest should keep a ``WindField``.
 """
 
 from __future__ import annotations
@@ -19,23 +19,16 @@ from galewood.wind.field import WindField
 from galewood.wind.models.hashing import phase_rad
 from galewood.wind.presets import PRESETS, paper_wind
 from galewood.wind.pressure import (
-    AIR_DENSITY_KG_M3,
-    STREAMLINED_EXPONENT,
-    STREAMLINING_SPEED_M_S,
     coverage,
     dynamic_pressure,
     height_factor,
     limit_pressure,
-    sampled_peak_pa,
     to_tree_frame,
 )
 from galewood.wind.transition import WindState, change_wind, parse_state, parse_wind_or_state, steady
 
 __all__ = [
-    "AIR_DENSITY_KG_M3",
     "PRESETS",
-    "STREAMLINED_EXPONENT",
-    "STREAMLINING_SPEED_M_S",
     "Wave",
     "Wind",
     "WindError",
@@ -51,7 +44,6 @@ __all__ = [
     "parse_wind",
     "parse_wind_or_state",
     "phase_rad",
-    "sampled_peak_pa",
     "steady",
     "to_tree_frame",
     "wind_pressure",

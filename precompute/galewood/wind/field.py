@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from galewood.constants import TIMED_MODELS
 from galewood.util import Floats
 from galewood.wind.crown import crown_field
 from galewood.wind.document import Wind
@@ -19,8 +20,6 @@ from galewood.wind.models.spectral import SpectralGusts
 from galewood.wind.pressure import pressure_of_velocity
 from galewood.wind.transition import Moment, WindState, at, change_wind, gust_key, steady
 
-TIMED = ("cosine", "recorded")
-"""Models that depend on the time rather than on the distance travelled."""
 KEPT_BUFFERS = 24
 """Three for each species in a forest."""
 
@@ -28,7 +27,7 @@ KEPT_BUFFERS = 24
 class Gusts(Protocol):
     """The gusts of one model and seed.
 
-    ``carried`` is the distance travelled in length scales; TIMED models use the time, s, instead.
+    ``carried`` is the distance travelled in length scales; TIMED_MODELS use the time, s, instead.
     """
 
     def velocity(
@@ -57,7 +56,7 @@ PREPARED_GUSTS = 4
 
 
 def _carried(wind: Wind, moment: Moment) -> float:
-    return moment.time_s if wind.model in TIMED else moment.travel
+    return moment.time_s if wind.model in TIMED_MODELS else moment.travel
 
 
 class WindField:

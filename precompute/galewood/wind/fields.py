@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import cast
 
-MODELS = ("cosine", "perlin", "spectral", "navier-stokes", "recorded")
+from galewood.constants import WIND_MODELS
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class Field:
 
     low: float
     high: float
-    models: tuple[str, ...] = MODELS
+    models: tuple[str, ...] = WIND_MODELS
     default: float | None = None
     whole: bool = False
 

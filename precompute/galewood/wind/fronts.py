@@ -1,6 +1,6 @@
 """Gust fronts: single gusts that start at a place and travel with the wind, beside those of a document.
 
-Specified in docs/formats/wind.md; web/player/src/core/wind/fronts.ts implements the same arithmetic.
+Specified in docs/formats/wind.md.
 """
 
 from __future__ import annotations
@@ -12,33 +12,23 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from galewood.constants import (
+    FRONT_DEPTH_M,
+    FRONT_GUST_SHARE,
+    FRONT_LEAST_GUST_M_S,
+    FRONT_LEAST_TRAVEL_M_S,
+    FRONT_LIMITS,
+    FRONT_RANGE_M,
+    FRONT_RISE_S,
+    FRONT_SPREAD,
+    FRONT_TRAVEL_SHARE,
+    FRONT_WIDTH_M,
+    MOST_FRONTS,
+)
 from galewood.wind.document import WindError
 
 if TYPE_CHECKING:
     from galewood.util import Floats
-
-MOST_FRONTS = 4
-"""Most fronts at once; a further one replaces the oldest."""
-LIFE_S = 30.0
-"""A front is forgotten after this time."""
-DEPTH_M = 14.0
-"""Half the extent of a front along the wind."""
-WIDTH_M, SPREAD = 16.0, 0.35
-"""Half its width at the start, and by how much it grows per metre travelled."""
-RANGE_M = 180.0
-"""Distance after which it has died down."""
-RISE_S = 0.6
-LEAST_GUST_M_S, GUST_SHARE = 6.0, 0.8
-"""Speed that a front adds: a constant, and a share of the mean speed."""
-LEAST_TRAVEL_M_S, TRAVEL_SHARE = 9.0, 1.2
-"""Speed at which it travels: at least, and relative to the mean speed."""
-LIMITS = {
-    "since_s": (-1e9, 1e9),
-    "x_m": (-1e6, 1e6),
-    "z_m": (-1e6, 1e6),
-    "direction_deg": (-360.0, 360.0),
-    "mean_speed_m_s": (0.0, 60.0),
-}
 
 
 @dataclass(frozen=True)
@@ -69,7 +59,7 @@ def _parse_front(value: object, index: int) -> Front:
         raise WindError(path, "expected an object")
     document = cast(Mapping[str, Any], value)
     numbers: dict[str, float] = {}
-    for name, (low, high) in LIMITS.items():
+    for name, (low, high) in FRONT_LIMITS.items():
         number = document.get(name)
         if isinstance(number, bool) or not isinstance(number, int | float) or not low <= number <= high:
             raise WindError(f"{path}.{name}", f"expected a number in {low:g}..{high:g}")
@@ -88,16 +78,17 @@ def add_fronts(
 
 
 def _add_front(front: Front, x_m: Floats, z_m: Floats, age_s: float, out_x: Floats, out_z: Floats) -> None:
-    travelled_m = age_s * max(LEAST_TRAVEL_M_S, TRAVEL_SHARE * front.mean_speed_m_s)
-    if age_s <= 0.0 or travelled_m >= RANGE_M:
+    travelled_m = age_s * max(FRONT_LEAST_TRAVEL_M_S, FRONT_TRAVEL_SHARE * front.mean_speed_m_s)
+    if age_s <= 0.0 or travelled_m >= FRONT_RANGE_M:
         return
     heading = math.radians(front.direction_deg)
     cos, sin = math.cos(heading), math.sin(heading)
-    along = ((x_m - front.x_m) * cos + (z_m - front.z_m) * sin - travelled_m) / DEPTH_M
-    across = ((z_m - front.z_m) * cos - (x_m - front.x_m) * sin) / (WIDTH_M + SPREAD * travelled_m)
-    rise = min(age_s / RISE_S, 1.0)
-    left = 1.0 - travelled_m / RANGE_M
-    gust_m_s = (LEAST_GUST_M_S + GUST_SHARE * front.mean_speed_m_s) * rise * left
+    along = ((x_m - front.x_m) * cos + (z_m - front.z_m) * sin - travelled_m) / FRONT_DEPTH_M
+    half_width_m = FRONT_WIDTH_M + FRONT_SPREAD * travelled_m
+    across = ((z_m - front.z_m) * cos - (x_m - front.x_m) * sin) / half_width_m
+    rise = min(age_s / FRONT_RISE_S, 1.0)
+    left = 1.0 - travelled_m / FRONT_RANGE_M
+    gust_m_s = (FRONT_LEAST_GUST_M_S + FRONT_GUST_SHARE * front.mean_speed_m_s) * rise * left
     speed = gust_m_s * _bump(along) * _bump(across)
     out_x += speed * cos
     out_z += speed * sin

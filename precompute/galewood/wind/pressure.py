@@ -10,22 +10,20 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from galewood.constants import (
+    HALF_AIR_DENSITY_KG_M3,
+    PRESSURE_COMPRESSION,
+    STREAMLINED_EXPONENT,
+    STREAMLINING_PRESSURE_PA,
+    STREAMLINING_SPEED_M_S,
+)
 from galewood.util import Array, Floats
-
-AIR_DENSITY_KG_M3 = 1.2
-HALF_AIR_DENSITY_KG_M3 = 0.5 * AIR_DENSITY_KG_M3
-"""Dynamic pressure over speed squared, Pa·s²/m², up to the streamlining speed."""
-STREAMLINING_SPEED_M_S = 5.0
-"""Above this speed the crown reconfigures and its drag grows more slowly than U²."""
-STREAMLINED_EXPONENT = 1.3
-"""2 + Vogel exponent (−0.7), the middle of the range reported by wind-tunnel tests of broad-leaved crowns."""
 
 
 def dynamic_pressure(speed_m_s: npt.ArrayLike) -> Floats:
     """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, proportional to U^1.3 above (streamlining)."""
     speed = np.asarray(speed_m_s, np.float64)
-    start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
-    streamlined = start * (speed / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT
+    streamlined = STREAMLINING_PRESSURE_PA * (speed / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT
     return np.where(speed <= STREAMLINING_SPEED_M_S, HALF_AIR_DENSITY_KG_M3 * speed * speed, streamlined)
 
 
@@ -42,10 +40,9 @@ def pressure_per_speed(speed_m_s):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def speed_of_pressure(pressure_pa):  # pragma: no cover  (compiled)
     """Inverse of ``dynamic_pressure``: the speed, m/s, of a dynamic pressure of at least 0 Pa."""
-    start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
-    if pressure_pa <= start:
+    if pressure_pa <= STREAMLINING_PRESSURE_PA:
         return math.sqrt(pressure_pa / HALF_AIR_DENSITY_KG_M3)
-    return STREAMLINING_SPEED_M_S * (pressure_pa / start) ** (1.0 / STREAMLINED_EXPONENT)
+    return STREAMLINING_SPEED_M_S * (pressure_pa / STREAMLINING_PRESSURE_PA) ** (1.0 / STREAMLINED_EXPONENT)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -70,15 +67,6 @@ def to_tree_frame(pressure_x: Floats, pressure_z: Floats, yaw_rad: npt.ArrayLike
     return c * pressure_x - s * pressure_z, s * pressure_x + c * pressure_z
 
 
-def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
-    """Largest pressure (Pa) among a table's records (z, 2)."""
-    return float(np.sqrt(np.max(np.sum(np.square(sample_pressure_pa, dtype=np.float64), axis=1))))
-
-
-COMPRESSION = 0.25
-"""Pressures beyond the sampled range are compressed: 2 times the range to 1.40, 5 times to 1.71."""
-
-
 @numba.njit(cache=True, nogil=True)
 def compressed(ratio):  # pragma: no cover  (compiled)
     """Pressure over the strongest sampled one, compressed where it is above 1: it grows with the logarithm.
@@ -87,7 +75,7 @@ def compressed(ratio):  # pragma: no cover  (compiled)
     """
     if ratio <= 1.0:
         return ratio
-    return 1.0 + COMPRESSION * math.log(1.0 + (ratio - 1.0) / COMPRESSION)
+    return 1.0 + PRESSURE_COMPRESSION * math.log(1.0 + (ratio - 1.0) / PRESSURE_COMPRESSION)
 
 
 @numba.njit(cache=True, nogil=True)

@@ -9,15 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from galewood.constants import (
+    FEWEST_RECORDING_SAMPLES,
+    MOST_RECORDING_SAMPLES,
+    RECORDING_FIELDS,
+    STILL_RECORDING,
+)
 from galewood.util import Floats
 from galewood.wind.fields import Field, WindError, number_at, object_at, refuse_unknown
 
-FEWEST_SAMPLES, MOST_SAMPLES = 2, 6000
-"""Ten minutes at 10 Hz: 32 kB of text, so that a state with three documents stays below 100 kB."""
 LARGEST_COUNT = 32_767
-RECORDING_FIELDS = {"interval_s": Field(0.05, 3600.0), "unit": Field(0.0, 1000.0)}
+RECORDING_RULES = {name: Field(**field) for name, field in RECORDING_FIELDS.items()}
 PAIRS_EXPECTED = (
-    f"expected {FEWEST_SAMPLES}..{MOST_SAMPLES} pairs of 16-bit integers, little-endian, in base64"
+    f"expected {FEWEST_RECORDING_SAMPLES}..{MOST_RECORDING_SAMPLES} pairs of 16-bit integers, little-endian, "
+    "in base64"
 )
 _BASE64 = re.compile(r"[A-Za-z0-9+/]+={0,2}")
 
@@ -42,7 +47,7 @@ class Recording:
         return counts.astype(np.float64) * self.unit
 
 
-STILL = Recording(1.0, 0.0, "AAAAAAAAAAA=")
+STILL = Recording(**STILL_RECORDING)
 
 
 def quantised(fluctuations: npt.ArrayLike, interval_s: float) -> Recording:
@@ -58,8 +63,8 @@ def recording_at(value: object, path: str) -> Recording:
     if value is None:
         raise WindError(path, "missing, expected an object")
     fields = object_at(value, path)
-    refuse_unknown(fields, [*RECORDING_FIELDS, "pairs"], path, "not a field of a recording")
-    numbers = {name: number_at(fields, name, rule, path) for name, rule in RECORDING_FIELDS.items()}
+    refuse_unknown(fields, [*RECORDING_RULES, "pairs"], path, "not a field of a recording")
+    numbers = {name: number_at(fields, name, rule, path) for name, rule in RECORDING_RULES.items()}
     pairs = fields.get("pairs")
     if not isinstance(pairs, str) or not _is_pairs(pairs):
         raise WindError(f"{path}.pairs", PAIRS_EXPECTED)
@@ -67,7 +72,7 @@ def recording_at(value: object, path: str) -> Recording:
 
 
 def _is_pairs(text: str) -> bool:
-    if len(text) % 4 or len(text) > 8 * MOST_SAMPLES or not _BASE64.fullmatch(text):
+    if len(text) % 4 or len(text) > 8 * MOST_RECORDING_SAMPLES or not _BASE64.fullmatch(text):
         return False
     count, rest = divmod(len(base64.b64decode(text)), 4)
-    return rest == 0 and FEWEST_SAMPLES <= count <= MOST_SAMPLES
+    return rest == 0 and FEWEST_RECORDING_SAMPLES <= count <= MOST_RECORDING_SAMPLES

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from galewood.wind.document import FIELDS, MOST_WAVES, VERSION, WAVE_FIELDS
-from galewood.wind.fields import MODELS, Field
-from galewood.wind.recording import MOST_SAMPLES, RECORDING_FIELDS
+from galewood.constants import MOST_RECORDING_SAMPLES, MOST_WAVES, WIND_MODELS, WIND_VERSION
+from galewood.wind.document import FIELDS, WAVE_RULES
+from galewood.wind.fields import Field
+from galewood.wind.recording import RECORDING_RULES
 
 
 def wind_schema() -> dict[str, Any]:
@@ -16,14 +17,14 @@ def wind_schema() -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Galewood wind document",
-        "oneOf": [_model_schema(model) for model in MODELS],
-        "$defs": {"wave": _object_schema(WAVE_FIELDS, {})},
+        "oneOf": [_model_schema(model) for model in WIND_MODELS],
+        "$defs": {"wave": _object_schema(WAVE_RULES, {})},
     }
 
 
 def _model_schema(model: str) -> dict[str, Any]:
     fields = {name: rule for name, rule in FIELDS.items() if model in rule.models}
-    schema = _object_schema(fields, {"version": {"const": VERSION}, "model": {"const": model}})
+    schema = _object_schema(fields, {"version": {"const": WIND_VERSION}, "model": {"const": model}})
     if model == "cosine":
         waves = {"type": "array", "minItems": 1, "maxItems": MOST_WAVES, "items": {"$ref": "#/$defs/wave"}}
         schema["properties"]["waves"] = waves
@@ -34,8 +35,8 @@ def _model_schema(model: str) -> dict[str, Any]:
 
 
 def _recording_schema() -> dict[str, Any]:
-    schema = _object_schema(RECORDING_FIELDS, {})
-    longest = 4 * -(-MOST_SAMPLES * 4 // 3)
+    schema = _object_schema(RECORDING_RULES, {})
+    longest = 4 * -(-MOST_RECORDING_SAMPLES * 4 // 3)
     pairs = {"type": "string", "contentEncoding": "base64", "minLength": 12, "maxLength": longest}
     schema["properties"]["pairs"] = pairs
     schema["required"].append("pairs")

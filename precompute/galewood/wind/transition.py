@@ -5,7 +5,7 @@ A change is interpolated from the old document to the new one over TRANSITION_S.
 never the product of the time and a parameter, so that a change of speed does not displace the gusts. A state
 is a small value that can be transmitted: everyone who shares it computes the same wind at every time.
 While one gust field fades into another, or their length changes, a further change waits until that is over:
-so a state never holds a mixture, which no document could describe. Twin: web/player/src/core/wind/glide.ts.
+so a state never holds a mixture, which no document could describe.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
+from galewood.constants import FRONT_LIFE_S, MOST_FRONTS, TRANSITION_S
 from galewood.wind.document import FIELDS, Wind, WindError, parse_wind
-from galewood.wind.fronts import LIFE_S, MOST_FRONTS, Front, parse_fronts
+from galewood.wind.fronts import Front, parse_fronts
 
-TRANSITION_S = 0.6
 _INTERPOLATED = [name for name in FIELDS if name not in ("seed", "beta", "direction_deg")]
 
 
@@ -113,7 +113,7 @@ def with_front(state: WindState, x_m: float, z_m: float, time_s: float) -> WindS
     """The same wind with a gust front that starts at a place at this time, s; old fronts are dropped."""
     wind = at(state, time_s).wind
     front = Front(time_s, x_m, z_m, wind.direction_deg, wind.mean_speed_m_s)
-    kept = [old for old in state.fronts if time_s - old.since_s < LIFE_S]
+    kept = [old for old in state.fronts if time_s - old.since_s < FRONT_LIFE_S]
     return replace(state, fronts=(*kept, front)[-MOST_FRONTS:])
 
 

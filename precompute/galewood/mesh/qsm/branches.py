@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from galewood.constants import BREAST_HEIGHT_M
 from galewood.mesh.qsm.cylinders import NO_CYLINDER, Cylinders, foot_on
 from galewood.util import Floats, Int64s
 
 TRUNK = -1
-BREAST_HEIGHT_M = 1.3
 SHORTEST_M = 1e-3
 WIDEST_BRANCH = 1.5
-"""Largest radius of a branch relative to the limb that bears it; at its base it is no wider than the limb."""
+"""Largest radius of a branch relative to its parent limb; at its base it is no wider than the limb."""
 SMOOTHING_SHARE = 0.1
 """Share of the way to the middle of its neighbours by which an inner point of a line is moved."""
 LEAST_OF_THICKEST = 0.5

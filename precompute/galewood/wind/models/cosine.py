@@ -1,6 +1,4 @@
-"""Superposed cosine gust waves (paper, Sec. 6). web/player/src/core/wind/models/cosine.ts implements the same
-arithmetic.
-"""
+"""Superposed cosine gust waves (paper, Sec. 6)."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -11,13 +9,10 @@ import math
 import numba
 import numpy as np
 
+from galewood.constants import COSINE_HEADING_HZ, COSINE_HEADING_PHASE
 from galewood.util import Floats
 from galewood.wind.document import Wind
 from galewood.wind.models.hashing import phase_turns
-
-HEADING_HZ = 0.03
-HEADING_PHASE = 6
-"""Index of the phase used for the oscillation of the heading."""
 
 
 class CosineGusts:
@@ -35,7 +30,7 @@ class CosineGusts:
             for k, w in enumerate(wind.waves)
         ]
         self._waves = np.array(waves)
-        self._heading_phase = phase_turns(wind.seed, HEADING_PHASE)
+        self._heading_phase = phase_turns(wind.seed, COSINE_HEADING_PHASE)
 
     def velocity(
         self, wind: Wind, time_s: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
@@ -86,7 +81,7 @@ def _sample(waves, heading_phase, wind, convection_m_s, time_s, x_m, z_m, out_x,
             hz, share, across, phase = waves[k, 0], waves[k, 1], waves[k, 2], waves[k, 3]
             ripple += share * cos_turns(hz * (age_s + across * across_s) + phase)
         speed = mean_m_s * max(0.0, 1.0 + gustiness * ripple)
-        swing = cos_turns(HEADING_HZ * (age_s + 0.5 * across_s) + heading_phase)
+        swing = cos_turns(COSINE_HEADING_HZ * (age_s + 0.5 * across_s) + heading_phase)
         heading = heading_turns + swing_turns * swing
         out_x[i] = speed * cos_turns(heading)
         out_z[i] = speed * cos_turns(heading - 0.25)

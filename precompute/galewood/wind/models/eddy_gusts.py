@@ -4,33 +4,27 @@ A simulation cannot be entered in the middle, and a page that joins a forest aft
 whole day. Therefore runs follow one another: each lasts EPOCH + OVERLAP steps from its own seeded start, and
 during OVERLAP steps consecutive runs are cross-faded (the squared weights sum to one, which preserves the
 variance). Any time is at most EPOCH + OVERLAP steps from a start, and everyone who shares seed and travel
-sees the same eddies. web/player/src/core/wind/models/eddyGusts.ts implements the same arithmetic.
+sees the same eddies.
 """
 
 from __future__ import annotations
 
 import math
 
+from galewood.constants import (
+    EDDY_CELLS_PER_SCALE,
+    EDDY_EPOCH,
+    EDDY_GRID,
+    EDDY_LATERAL_SHARE,
+    EDDY_OVERLAP,
+    EDDY_STEPS_PER_SCALE,
+)
 from galewood.wind.document import Wind
 from galewood.wind.models.fourier import Floats
 from galewood.wind.models.frame import view_of
 from galewood.wind.models.hashing import hash32
-from galewood.wind.models.navier_stokes import GRID, Eddies
+from galewood.wind.models.navier_stokes import Eddies
 from galewood.wind.models.texture import sample_texture
-
-CELLS_PER_SCALE = 5
-"""The grid is 25.6 length scales wide."""
-STEPS_PER_SCALE = 0.5
-"""Solver steps per length scale travelled by the air; air at one standard deviation moves a tenth of a scale
-per step.
-
-Gusts thus stay coherent while they cross the forest. At six times this rate, the time of best correlation
-between two places is 5 % early.
-"""
-EPOCH = 128
-OVERLAP = 32
-LATERAL_SHARE = 1.0
-"""Equal along and across the wind, as in any isotropic divergence-free field."""
 
 
 class _Run:
@@ -65,32 +59,32 @@ class EddyGusts:
         self, wind: Wind, travel: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
     ) -> None:
         """Write the velocity (m/s, world x and z) at each position (m)."""
-        field = self._velocity_field(STEPS_PER_SCALE * travel)
+        field = self._velocity_field(EDDY_STEPS_PER_SCALE * travel)
         view = view_of(
             wind,
             travel,
-            LATERAL_SHARE,
-            cells_along=CELLS_PER_SCALE,
-            cells_across=CELLS_PER_SCALE,
+            EDDY_LATERAL_SHARE,
+            cells_along=EDDY_CELLS_PER_SCALE,
+            cells_across=EDDY_CELLS_PER_SCALE,
         )
-        sample_texture(field, GRID, GRID, view, x_m, z_m, out_x, out_z)
+        sample_texture(field, EDDY_GRID, EDDY_GRID, view, x_m, z_m, out_x, out_z)
 
     def _velocity_field(self, moment: float) -> Floats:
         """(2, GRID²) velocity field at a time measured in steps."""
         step = math.floor(moment)
-        epoch = step // EPOCH
+        epoch = step // EDDY_EPOCH
         self._runs = [run for run in self._runs if run.epoch in (epoch - 1, epoch)]
-        new = self._run(epoch, step).between(step - epoch * EPOCH, moment - step)
-        fade = (moment - epoch * EPOCH) / OVERLAP
+        new = self._run(epoch, step).between(step - epoch * EDDY_EPOCH, moment - step)
+        fade = (moment - epoch * EDDY_EPOCH) / EDDY_OVERLAP
         if epoch <= 0 or fade >= 1.0:  # the first run has no predecessor
             return new
-        old = self._run(epoch - 1, step).between(step - (epoch - 1) * EPOCH, moment - step)
+        old = self._run(epoch - 1, step).between(step - (epoch - 1) * EDDY_EPOCH, moment - step)
         return math.sqrt(1.0 - fade) * old + math.sqrt(fade) * new
 
     def _run(self, epoch: int, step: int) -> _Run:
         for run in self._runs:
             if run.epoch == epoch:
-                if run.can_reach(step - epoch * EPOCH):
+                if run.can_reach(step - epoch * EDDY_EPOCH):
                     return run
                 self._runs.remove(run)
                 break

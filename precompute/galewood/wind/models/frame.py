@@ -9,10 +9,8 @@ from typing import NamedTuple
 
 import numba
 
+from galewood.constants import TURBULENCE_PER_GUSTINESS
 from galewood.wind.document import Wind
-
-TURBULENCE_PER_GUSTINESS = 0.308
-"""Standard deviation of the speed over its mean at gustiness 1, as produced by the cosine model."""
 
 
 class View(NamedTuple):

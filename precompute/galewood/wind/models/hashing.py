@@ -1,23 +1,22 @@
-"""Seeded integer hashes, identical to web/player/src/core/wind/hashing.ts."""
+"""Seeded integer hashes, identical in every language."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
 from __future__ import annotations
 
-import math
-
 import numba
 
-GOLDEN = 0x9E3779B9
+from galewood.constants import HASH_FACTOR, HASH_GOLDEN, HASH_TURN_RAD
+
 MASK = 0xFFFFFFFF
 
 
 @numba.njit(cache=True, nogil=True)
 def hash32(seed, k):  # pragma: no cover  (compiled)
     """Mueller's integer finaliser applied to (seed, k): 0 … 2³²−1."""
-    h = (seed + GOLDEN * (k + 1)) & MASK
+    h = (seed + HASH_GOLDEN * (k + 1)) & MASK
     for _ in range(2):
-        h = ((h ^ (h >> 16)) * 0x45D9F3B) & MASK
+        h = ((h ^ (h >> 16)) * HASH_FACTOR) & MASK
     return h ^ (h >> 16)
 
 
@@ -29,7 +28,7 @@ def signed_uniform(seed, k):  # pragma: no cover  (compiled)
 
 def phase_rad(seed: int, k: int) -> float:
     """Uniform phase in [0, 2π)."""
-    return hash32(seed, k) * (2.0 * math.pi / 4294967296.0)
+    return hash32(seed, k) * HASH_TURN_RAD
 
 
 def phase_turns(seed: int, k: int) -> float:

@@ -1,7 +1,4 @@
-"""Gusts of improved Perlin noise (Perlin 2002): three octaves that move with the wind and slowly evolve.
-
-web/player/src/core/wind/models/perlin.ts implements the same arithmetic.
-"""
+"""Gusts of improved Perlin noise (Perlin 2002): three octaves that move with the wind and slowly evolve."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -13,31 +10,22 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from galewood.constants import (
+    PERLIN_CELLS_PER_SCALE,
+    PERLIN_CHANGE,
+    PERLIN_EDGES,
+    PERLIN_GAIN,
+    PERLIN_LATERAL_SHARE,
+    PERLIN_NOISE_VARIANCE,
+    PERLIN_OCTAVES,
+    PERLIN_SLANT,
+)
 from galewood.util import Floats
 from galewood.wind.document import Wind
 from galewood.wind.models.frame import view_of, write_velocity
 from galewood.wind.models.hashing import hash32
 
-_EDGES = (
-    *((x, y, 0) for y in (1, -1) for x in (1, -1)),
-    *((x, 0, z) for z in (1, -1) for x in (1, -1)),
-    *((0, y, z) for z in (1, -1) for y in (1, -1)),
-    *((1, 1, 0), (0, -1, 1), (-1, 1, 0), (0, -1, -1)),
-)
-"""Gradient directions: from the centre of a cube to its twelve edges, four of them twice."""
-SLOPES: Floats = np.array([_EDGES[h & 15] for h in range(256)], np.float64).ravel()
-
-NOISE_VARIANCE = 35054270.0 / 480729249.0
-"""16 A² B with A = ∫(1−f)², B = ∫(1−f)² t², f the fade 6t⁵ − 15t⁴ + 10t³, over [0, 1]."""
-LATERAL_SHARE = 0.5
-CELLS_PER_SCALE = 0.5
-"""A lattice cell of the first octave spans two length scales."""
-GAIN = 0.6
-OCTAVES = 3
-SLANT = 0.17
-"""Lateral drift: the noise is zero at its lattice points, and no tree should stay on a lattice line."""
-CHANGE = 0.1
-"""Evolution of the noise, in lattice cells per length scale travelled."""
+SLOPES: Floats = np.array([PERLIN_EDGES[h & 15] for h in range(256)], np.float64).ravel()
 
 
 class PerlinGusts:
@@ -54,10 +42,10 @@ class PerlinGusts:
         view = view_of(
             wind,
             travel,
-            LATERAL_SHARE,
-            cells_along=CELLS_PER_SCALE,
-            cells_across=CELLS_PER_SCALE,
-            slant=SLANT,
+            PERLIN_LATERAL_SHARE,
+            cells_along=PERLIN_CELLS_PER_SCALE,
+            cells_across=PERLIN_CELLS_PER_SCALE,
+            slant=PERLIN_SLANT,
         )
         _sample(self._permutation, SLOPES, view, x_m, z_m, out_x, out_z)
 
@@ -102,18 +90,19 @@ def noise(p, g, x, y, z):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def _sample(p, g, view, x_m, z_m, out_x, out_z):  # pragma: no cover  (compiled)
     total = 0.0
-    for o in range(OCTAVES):
-        total += GAIN ** (2 * o)
-    along_scale, across_scale = 1.0 / math.sqrt(NOISE_VARIANCE * total), 1.0 / math.sqrt(NOISE_VARIANCE)
-    change = CHANGE * view.travel
+    for o in range(PERLIN_OCTAVES):
+        total += PERLIN_GAIN ** (2 * o)
+    along_scale = 1.0 / math.sqrt(PERLIN_NOISE_VARIANCE * total)
+    across_scale = 1.0 / math.sqrt(PERLIN_NOISE_VARIANCE)
+    change = PERLIN_CHANGE * view.travel
     for i in range(len(x_m)):
         along = view.cos_per_m * x_m[i] + view.sin_per_m * z_m[i] - view.travel
         across = view.cos_per_m * z_m[i] - view.sin_per_m * x_m[i]
         px, py = along * view.cells_along, (across + view.slant * along) * view.cells_across
         a, gain, scale = 0.0, 1.0, 1.0
-        for o in range(OCTAVES):  # offsets prevent a common zero at the origin
+        for o in range(PERLIN_OCTAVES):  # offsets prevent a common zero at the origin
             a += gain * noise(p, g, px * scale + 17.31 * o, py * scale + 9.67 * o, change + 31.5 * o)
-            gain *= GAIN
+            gain *= PERLIN_GAIN
             scale *= 2.0
         b = noise(p, g, px + 101.4, py + 57.8, change + 0.5)
         write_velocity(view, i, a * along_scale, b * across_scale, out_x, out_z)

@@ -1,7 +1,4 @@
-"""A measured wind: the fluctuations of a recording, carried downwind unchanged (Taylor 1938).
-
-web/player/src/core/wind/models/recorded.ts implements the same arithmetic.
-"""
+"""A measured wind: the fluctuations of a recording, carried downwind unchanged (Taylor 1938)."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -12,12 +9,11 @@ import math
 import numba
 import numpy as np
 
+from galewood.constants import RECORDED_LATERAL_SHARE
 from galewood.util import Floats
 from galewood.wind.document import Wind
 from galewood.wind.models.frame import view_of, write_velocity
 from galewood.wind.recording import Recording
-
-LATERAL_SHARE = 1.0
 
 
 class RecordedGusts:
@@ -32,7 +28,7 @@ class RecordedGusts:
         self, wind: Wind, time_s: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
     ) -> None:
         """Write the velocity (m/s, world x and z) at each position (m)."""
-        view = view_of(wind, 0.0, LATERAL_SHARE)
+        view = view_of(wind, 0.0, RECORDED_LATERAL_SHARE)
         now = (time_s, wind.convection_speed_m_s, self._interval_s)
         _sample(self._samples, now, view, x_m, z_m, out_x, out_z)
 
