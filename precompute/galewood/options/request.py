@@ -140,14 +140,14 @@ class BuildRequest(ImportRequest):
         ge=0.02,
         le=30,
         description="Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; "
-        "default: as stiff as its wood.",
+        "default: the stiffness of its wood.",
     )
     sway: float | None = Field(
         default=None,
         ge=0.001,
         le=0.3,
         description="Scale the stiffness of the wood so that a steady wind of 18 m/s bends the tree by this "
-        "share of its height; default: as stiff as its wood.",
+        "share of its height; default: the stiffness of its wood.",
     )
     wood: WoodDocument | None = Field(
         default=None, description="Custom wood properties; they take precedence over the species."

@@ -62,7 +62,7 @@ export interface Schemas {
     first_frequency_hz?: number | null;
     /**
      * Scale the stiffness of the wood so that a steady wind of 18 m/s bends the tree by this share of its
-     * height; default: as stiff as its wood.
+     * height; default: the stiffness of its wood.
      */
     sway?: number | null;
     /** Custom wood properties; they take precedence over the species. */
