@@ -7,8 +7,8 @@ import { promisify } from "node:util";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 /**
- * Import rules of web/biome.json and compiler configurations of core and worker: each violation below is created in a
- * temporary folder with the configuration of the project and must be rejected.
+ * Import rules and limits of web/biome.json and compiler configurations of core and worker: each violation below is
+ * created in a temporary folder with the configuration of the project and must be rejected.
  */
 const WEB = fileURLToPath(new URL("../../web", import.meta.url));
 const run = promisify(execFile);
@@ -92,6 +92,32 @@ describe("biome rejects", () => {
     const { passes, text: said } = await lint(files);
     expect(passes, said).toBe(false);
     expect(said).toContain("lint/suspicious/noImportCycles");
+  });
+});
+
+/** A function or a constructor with this many parameters. */
+const names = (count: number) => Array.from({ length: count }, (_, k) => `p${k}`);
+const taking = (count: number) =>
+  `export const sum = (${names(count).map((name) => `${name}: number`).join(", ")}) => ${names(count).join(" + ")};\n`;
+const madeOf = (count: number) =>
+  `export class Planted {\n  constructor(${names(count).map((name) => `readonly ${name}: number`).join(", ")}) {}\n}\n`;
+
+describe("the number of parameters", () => {
+  test.each([
+    ["player/src/core/planted.ts", taking(10)],
+    ["player/src/three/planted.ts", madeOf(10)],
+    ["scripts/planted.ts", taking(10)],
+    ["src/scene/planted.ts", taking(7)],
+    ["src/page/planted.ts", madeOf(7)],
+  ])("is limited in %s", async (file, text) => {
+    const { passes, text: said } = await lint({ [file]: text });
+    expect(passes, said).toBe(false);
+    expect(said).toContain("lint/complexity/useMaxParams");
+  });
+
+  test("is allowed up to nine, in page and scene up to six", async () => {
+    const { passes, text } = await lint({ "player/src/core/planted.ts": taking(9), "src/page/planted.ts": madeOf(6) });
+    expect(passes, text).toBe(true);
   });
 });
 

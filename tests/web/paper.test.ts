@@ -1,12 +1,18 @@
 /** The paper's method: fetched on demand, and its state in words. */
-import { describe, expect, test } from "vitest";
+import { signal } from "@preact/signals-core";
+import { describe, expect, test, vi } from "vitest";
 import { PaperMethod } from "../../web/src/page/paper/paperMethod";
 import { isRecorded, onlyExtrasLeft, paperNote, paperStateOf, paperWords } from "../../web/src/page/paper/paperState";
 import type { Job, Tree } from "../../web/src/page/server/api";
 import type { KnownTree } from "../../web/src/page/server/catalogue";
+import { DEFAULTS } from "../../web/src/page/settings/settings";
+import { Store } from "../../web/src/page/store/store";
 import { tableWords } from "../../web/src/page/ui/words";
 import type { TableMotion } from "../../web/player/src/worker/protocol";
 import { streamMethod } from "../../web/player/src/worker/stream/forestRequest";
+
+const toasts = vi.hoisted(() => [] as string[]);
+vi.mock("../../web/src/page/ui/toast", () => ({ showToast: (_: string, hint: string) => toasts.push(hint) }));
 
 const motion = (given: Partial<TableMotion> = {}) =>
   ({ sha256: "t", hasRecords: false, preliminary: false, linear: false, leftOut: [], ...given }) as TableMotion;
@@ -72,65 +78,69 @@ test("a preliminary table says what it leaves out, and that another one follows"
 
 /** A page whose records files are delivered by the test. */
 function started(trees: KnownTree[]) {
-  const settings: { method: "modal" | "paper"; lookup: "worker" | "server" } = { method: "modal", lookup: "worker" };
+  const store = new Store({ ...DEFAULTS }, DEFAULTS, "");
   const asked: { table: string; records: string; resolve(): void; reject(error: Error): void }[] = [];
-  const events: string[] = [];
-  const paper = new PaperMethod(settings, {
-    trees: () => trees,
-    load: (table, records) => new Promise((resolve, reject) => asked.push({ table, records, resolve, reject })),
-    arrived: () => events.push("arrived"),
-    problem: (_, hint) => events.push(hint),
+  const catalogue = { known: trees, assetChanges: signal(0), recordChanges: signal(0) };
+  const paper = new PaperMethod(store, catalogue, {
+    loadRecords: (table, records) =>
+      new Promise((resolve, reject) => asked.push({ table, records, resolve, reject })),
   });
   const settle = () => new Promise((done) => setTimeout(done));
-  return { settings, asked, events, paper, trees, settle };
+  return { store, settings: store.settings, asked, catalogue, paper, trees, settle };
 }
 
 describe("records are fetched", () => {
   test("once, and only when the paper's method is chosen and computed here", async () => {
-    const { settings, asked, events, paper, trees, settle } = started([known({ tree: tree({ records_sha256: "r" }) })]);
-    paper.update();
-    settings.lookup = "server";
-    settings.method = "paper";
-    paper.chosen();
+    const { store, settings, asked, catalogue, paper, trees, settle } = started([
+      known({ tree: tree({ records_sha256: "r" }) }),
+    ]);
+    catalogue.assetChanges.value++;
+    store.change({ lookup: "server", method: "paper" });
     expect(asked).toHaveLength(0);
     expect(paper.moves(trees[0])).toBe(true);
     settings.lookup = "worker";
-    paper.chosen();
-    paper.update();
+    catalogue.assetChanges.value++;
     expect(asked).toMatchObject([{ table: "t", records: "r" }]);
     expect(paper.note).toBe("Ash: loading\nUsing the modal model until then.");
     expect(paper.moves(trees[0])).toBe(false);
     asked[0].resolve();
     await settle();
-    expect([events, paper.note, paper.moves(trees[0])]).toEqual([["arrived"], "", true]);
+    expect([paper.arrivals.value, paper.note, paper.moves(trees[0])]).toEqual([1, "", true]);
   });
 
   test("when the server has them at last", () => {
-    const { settings, asked, paper, trees } = started([known({ job: running("records") })]);
+    const { settings, asked, catalogue, trees } = started([known({ job: running("records") })]);
     settings.method = "paper";
-    paper.chosen();
     expect(asked).toHaveLength(0);
     trees[0] = known({ tree: tree({ records_sha256: "r" }) });
-    paper.update();
+    catalogue.recordChanges.value++;
     expect(asked).toHaveLength(1);
   });
 
   test("again after a failure, when the method is chosen again", async () => {
-    const { settings, asked, events, paper, settle } = started([known({ tree: tree({ records_sha256: "r" }) })]);
+    const { settings, asked, catalogue, settle } = started([known({ tree: tree({ records_sha256: "r" }) })]);
     settings.method = "paper";
-    paper.chosen();
     asked[0].reject(new Error("these records belong to another table"));
     await settle();
-    paper.update();
-    expect([events, asked.length]).toEqual([["these records belong to another table"], 1]);
-    paper.chosen();
+    catalogue.assetChanges.value++;
+    expect([toasts, asked.length]).toEqual([["these records belong to another table"], 1]);
+    settings.method = "modal";
+    settings.method = "paper";
     expect(asked).toHaveLength(2);
   });
 
   test("not for a table that holds them", () => {
     const { settings, asked, paper, trees } = started([known({ motion: motion({ hasRecords: true }) })]);
     settings.method = "paper";
-    paper.chosen();
     expect([asked.length, paper.note, paper.moves(trees[0]), isRecorded(trees[0])]).toEqual([0, "", true, true]);
   });
+});
+
+test("a forest that the server moves is placed again when the server has new records", () => {
+  const { store, catalogue, paper } = started([known()]);
+  catalogue.recordChanges.value++;
+  expect(paper.arrivals.value).toBe(0);
+  store.change({ lookup: "server", method: "paper" });
+  catalogue.recordChanges.value++;
+  expect(paper.arrivals.value).toBe(1);
 });

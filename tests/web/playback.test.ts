@@ -1,5 +1,6 @@
+import { effect } from "@preact/signals-core";
 import { describe, expect, test } from "vitest";
-import { Playback, STEP_S } from "../../web/src/page/playback";
+import { Playback, STEP_S } from "../../web/src/page/store/playback";
 import { presetOf } from "../../web/src/page/ui/instruments/windEditing";
 import { PRESETS, type PresetName } from "../../web/player/src/core/wind/wind";
 
@@ -15,7 +16,9 @@ describe("playback", () => {
   test("stands still while paused, but for single steps", () => {
     const seen: boolean[] = [];
     const playback = new Playback();
-    playback.onPause = (paused) => seen.push(paused);
+    effect(() => {
+      seen.push(playback.paused);
+    });
     playback.step();
     expect(playback.paused).toBe(true);
     expect(playback.advance_s(0.1, false)).toBe(STEP_S);
@@ -26,7 +29,7 @@ describe("playback", () => {
     playback.step();
     playback.paused = false;
     expect(playback.advance_s(0.1, false)).toBe(0.1);
-    expect(seen).toEqual([true, false]);
+    expect(seen).toEqual([false, true, false]);
   });
 });
 

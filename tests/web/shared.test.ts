@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { PRESETS, WindField } from "../../web/player/src/core/wind/wind";
 import { DEFAULTS } from "../../web/src/page/settings/settings";
-import { adoptPlacement, placementOf, sharedFrom, withShared } from "../../web/src/page/settings/sharedForest";
+import { foreignPlacement, placementOf, sharedFrom, withShared } from "../../web/src/page/settings/sharedForest";
 import { forestRequest, sharedGroups } from "../../web/player/src/worker/stream/forestRequest";
 import { ServerClock } from "../../web/player/src/worker/stream/serverClock";
 import { SharedClock } from "../../web/player/src/worker/stream/sharedClock";
@@ -27,17 +27,13 @@ describe("a shared forest in the address", () => {
 test("clients exchange only the settings that determine the placement", () => {
   const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, form: "open" as const, method: "paper" as const, wind: PRESETS.still };
   const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
-  expect(adoptPlacement(yours, placementOf(mine))).toBe(true);
-  expect([yours.trees, yours.forestSeed, yours.method, yours.wind]).toEqual([321, 9, "paper", PRESETS["storm-front"]]);
-  expect(yours.form).toBe("open");
-  expect(adoptPlacement(yours, placementOf(mine))).toBe(false);
-  expect(adoptPlacement(yours, {})).toBe(false);
-  expect(adoptPlacement(yours, placementOf({ ...mine, inventory: "api/inventory" }))).toBe(true);
-  expect(yours.inventory).toBe("api/inventory");
-  const plain = { ...mine };
-  expect(adoptPlacement(plain, placementOf(DEFAULTS))).toBe(true);
-  expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "modal"]);
-  expect(plain.form).toBe("place");
+  const taken = foreignPlacement(yours, placementOf(mine));
+  expect(taken).toEqual({ trees: 321, forestSeed: 9, method: "paper", form: "open" });
+  expect(foreignPlacement({ ...yours, ...taken }, placementOf(mine))).toEqual({});
+  expect(foreignPlacement(yours, {})).toEqual({});
+  expect(foreignPlacement(mine, placementOf({ ...mine, inventory: "api/inventory" }))).toEqual({ inventory: "api/inventory" });
+  const { trees, forestSeed, form, method } = DEFAULTS;
+  expect(foreignPlacement(mine, placementOf(DEFAULTS))).toEqual({ trees, forestSeed, form, method });
 });
 
 test("a shared forest is asked for by its tables in leaf, whichever ones are played here", () => {

@@ -124,7 +124,8 @@ export function windDrawing(field: WindField, motion: TableMotion, frame: Object
       const { mean_speed_m_s, height_exponent = 0.2, reference_height_m = 12 } = field.at(time_s).wind;
       chosen.forEach((_, k) => {
         const profile = (height_m[k] / reference_height_m) ** height_exponent;
-        arrows.set(k, x[k], y[k], z[k], profile * vx[k], profile * vz[k], mean_speed_m_s);
+        place.set(x[k], y[k], z[k]);
+        arrows.set(k, place, { x: profile * vx[k], z: profile * vz[k] }, mean_speed_m_s);
       });
       arrows.update();
     },

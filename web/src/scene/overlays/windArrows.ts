@@ -32,7 +32,6 @@ export class WindArrows {
   readonly mesh: InstancedMesh;
   private readonly matrix = new Matrix4();
   private readonly turn = new Quaternion();
-  private readonly place = new Vector3();
   private readonly along = new Vector3();
   private readonly size = new Vector3();
   private readonly colour = new Color();
@@ -49,14 +48,14 @@ export class WindArrows {
     this.mesh.renderOrder = 9;
   }
 
-  /** Shows the wind (vx, vz) at a place in the world; `mean_m_s` is the speed of the middle colour. */
-  set(index: number, x: number, y: number, z: number, vx: number, vz: number, mean_m_s: number): void {
-    const speed = Math.hypot(vx, vz);
+  /** Shows the wind (m/s) at a place in the world; `mean_m_s` is the speed of the middle colour. */
+  set(index: number, place: Vector3, { x, z }: { x: number; z: number }, mean_m_s: number): void {
+    const speed = Math.hypot(x, z);
     const length = Math.min(LONGEST_M, METRES_PER_M_S * speed);
-    this.along.set(speed > 0 ? vx / speed : 1, 0, speed > 0 ? vz / speed : 0);
+    this.along.set(speed > 0 ? x / speed : 1, 0, speed > 0 ? z / speed : 0);
     this.turn.setFromUnitVectors(ARROW_DIRECTION, this.along);
     this.size.set(1 + 0.3 * length, Math.max(1e-3, length), 1 + 0.3 * length);
-    this.mesh.setMatrixAt(index, this.matrix.compose(this.place.set(x, y, z), this.turn, this.size));
+    this.mesh.setMatrixAt(index, this.matrix.compose(place, this.turn, this.size));
     const gust = Math.max(-1, Math.min(1, (speed - mean_m_s) / Math.max(0.5, 0.5 * mean_m_s)));
     this.mesh.setColorAt(
       index,
