@@ -36,8 +36,11 @@ class Service:
     # set when a job is queued or cancelled, so that the supervisor reacts before its next poll
     jobs_changed: asyncio.Event = field(default_factory=asyncio.Event)
     # both take seconds of a processor; an export keeps no picture waiting, and neither of them an upload
-    exports: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("exports", 8, 4))
+    exports: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("exports", 8, 4, kept=32))
     pictures: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("pictures", 128, 32))
+    inventories: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("inventories", 128, 32, kept=4))
+    # files that anyone may have converted; those that are being received count among the waiting ones
+    conversions: Turns = field(default_factory=lambda: Turns("conversions", 2, 30, most_of_address=4))
     # open connections by address
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])
     event_addresses: dict[str, int] = field(default_factory=dict[str, int])

@@ -27,11 +27,23 @@ async function reportOf(page: Page, name: string) {
 
 const moving = (page: Page) => page.evaluate(() => window.galewood?.trees.moving ?? 0);
 
+const stem = (east_m: number, north_m: number, species: string, builtin: string, height_m: number) => ({
+  east_m,
+  north_m,
+  species,
+  builtin,
+  height_m,
+  slender: false,
+});
+const STEMS = [
+  stem(-15, -20, "Bergahorn", "maple", 12),
+  stem(15, -20, "Populus nigra", "poplar", 16),
+  stem(15, 20, "Marille", "apricot", 5),
+  stem(-10, 15, "Acer", "maple", 9),
+];
+
 test("an inventory plants its stems, from an address and from a dropped file", async ({ page }) => {
-  const rows = ["0,0,Bergahorn,12,30", "30,0,Populus nigra,16,20", "30,40,Marille,5,14", "5,35,Acer,9,25", "4,9,Ahorn,,"];
-  await page.route("**/api/inventory", (route) =>
-    route.fulfill({ contentType: "text/csv", body: `x,y,species,height (m),dbh (cm)\n${rows.join("\n")}\n` }),
-  );
+  await page.route("**/api/inventory", (route) => route.fulfill({ json: { version: 1, stems: STEMS } }));
   await open(page, `${SMALL}&inventory=api/inventory`);
   await expect.poll(() => moving(page)).toBe(4);
   // the camera shows the plot from the south
@@ -52,6 +64,14 @@ test("an inventory plants its stems, from an address and from a dropped file", a
   await expect(report).toContainText("Winterlinde is shown as maple");
   await report.getByRole("button", { name: "Close" }).click();
   await expect.poll(() => moving(page)).toBe(3);
+
+  // without a service the page plants what was converted before, and says so of anything else
+  await page.route("**/api/convert*", (route) => route.fulfill({ status: 404, body: "no such file" }));
+  await drop(page, "two.csv", "x,y,height\n0,0,9\n5,5,9\n");
+  await expect(page.getByText("Convert the file with `galewood convert`")).toBeVisible();
+  await drop(page, "two.forest.json", JSON.stringify({ version: 1, stems: STEMS.slice(0, 2) }));
+  await (await reportOf(page, "Forest from an inventory")).getByRole("button", { name: "Close" }).click();
+  await expect.poll(() => moving(page)).toBe(2);
 });
 
 test("a dropped measurement becomes the wind, and trees bend with it", async ({ page }) => {

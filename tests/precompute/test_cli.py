@@ -6,11 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
 from galewood.cli.commands import app
 from galewood.options import BuildRequest
 from galewood.util import MeshError
-from galewood.wind import parse_wind
 from typer.testing import CliRunner
 
 from tests.precompute.labelled_trees import labelled_file
@@ -81,20 +79,14 @@ def test_the_program_limits_the_libraries_threads_before_they_are_loaded() -> No
     subprocess.run([sys.executable, "-c", code], env=bare, check=True, capture_output=True)
 
 
-def test_a_measurement_becomes_a_wind_document(tmp_path: Path) -> None:
+def test_a_table_is_played_in_a_measured_wind(tmp_path: Path) -> None:
     log = tmp_path / "mast.csv"
     log.write_text("time (s),speed (km/h),direction\n" + "\n".join(f"{k},36,270" for k in range(30)))
-    result = CliRunner().invoke(app, ["wind", "read", str(log)])
-    assert result.exit_code == 0, result.output
-    assert "mean wind: 10.0 m/s from 270°" in result.output
-    wind = parse_wind(json.loads((tmp_path / "mast.wind.json").read_text()))
-    assert wind.mean_speed_m_s == pytest.approx(10.0)
+    assert CliRunner().invoke(app, ["convert", str(log)]).exit_code == 0
     played = ["simulate", str(GOLDEN), "--seconds", "4", "--wind"]
     result = CliRunner().invoke(app, [*played, str(tmp_path / "mast.wind.json")])
     assert result.exit_code == 0, result.output
     assert CliRunner().invoke(app, [*played, str(log)]).exit_code == 1
-    log.write_text("time,speed,direction\n0,fast,270\n")
-    assert CliRunner().invoke(app, ["wind", "read", str(log)]).exit_code == 1
 
 
 def test_all_trees_of_a_file_are_built_and_a_failure_stops_none(tmp_path: Path, monkeypatch) -> None:

@@ -1,48 +1,108 @@
-"""The inventory of a service: its file, and the command that starts it."""
+"""Inventories and anemometer records: what the service makes of a visitor's file, and of its own one."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import httpx
+import pytest
 from galewood.inventory import read_inventory
+from galewood.wind import read_measurement
+from galewood_server.api.conversions import LARGEST_BYTES
 from galewood_server.cli.commands import app
 from typer.testing import CliRunner
 
-from tests.server.conftest import Server
+from tests.server.conftest import Server, fake_service
 
 CSV = "x,y,species,height,dbh\n0,0,Bergahorn,12,30\n3,4,Foo bar,9,\n5,5,oak,,\n"
+MAST = "time (s),speed (m/s),direction\n" + "".join(f"{k},{6 + k % 3},270\n" for k in range(40))
 
 
-def test_the_file_is_served_as_it_is(start_server: Callable[..., Server], tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def api(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
+    # anyone may have files converted, also where writing needs a key
+    with (
+        fake_service(tmp_path_factory.mktemp("convert"), GALEWOOD_LOCAL_WRITES="false") as server,
+        server.client() as client,
+    ):
+        yield client
+
+
+def converted(api: httpx.Client, content: str | bytes, **query: float) -> httpx.Response:
+    return api.post("/api/convert", content=content, params=query)
+
+
+def problem(answer: httpx.Response) -> tuple[int, str, str]:
+    body = answer.json()
+    return answer.status_code, body["code"], body["hint"]
+
+
+def test_an_inventory_becomes_its_document(api: httpx.Client) -> None:
+    answer = converted(api, CSV)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "application/json"
+    assert answer.json() == json.loads(json.dumps(read_inventory(CSV.encode()).document()))
+
+
+def test_a_record_becomes_a_wind_document_with_a_report(api: httpx.Client) -> None:
+    for query in ({}, {"start_s": 10.0}):
+        expected = read_measurement(MAST.encode(), **query).document()
+        assert converted(api, MAST, **query).json() == json.loads(json.dumps(expected))
+
+
+def test_errors_name_the_line(api: httpx.Client) -> None:
+    assert problem(converted(api, MAST.replace("\n3,", "\n3,fast"))) == (
+        422, "bad-measurement", "Line 5, column 'speed (m/s)': 'fast6' is not a number.",
+    )  # fmt: skip
+    assert problem(converted(api, "x,y,height\n0,,3\n")) == (
+        422, "bad-inventory", "No row describes a tree (line 2: no coordinates).",
+    )  # fmt: skip
+    assert problem(converted(api, '{"features": ')) == (
+        422, "bad-inventory", "The file is not valid JSON.",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("content", [b"", b"a,b\n1,2\n", b"\x00\xff" * 500, b'"' + b"a" * 50_000])
+def test_other_files_are_of_an_unknown_kind(api: httpx.Client, content: bytes) -> None:
+    assert problem(converted(api, content))[:2] == (415, "unknown-content")
+
+
+def test_a_file_that_is_too_large_is_refused(api: httpx.Client) -> None:
+    status, code, hint = problem(converted(api, b"x" * (LARGEST_BYTES + 1)))
+    assert (status, code) == (413, "file-too-large") and "galewood convert" in hint
+
+
+def test_a_start_beyond_the_record_is_refused(api: httpx.Client) -> None:
+    assert converted(api, MAST, start_s=100.0).json()["code"] == "bad-measurement"
+    assert converted(api, MAST, start_s=-1.0).json()["code"] == "invalid-request"
+
+
+def test_the_inventory_of_the_service_is_converted_again_when_it_changes(
+    start_server: Callable[..., Server], tmp_path: Path
+) -> None:
     path = tmp_path / "Bäume.csv"
-    path.write_text(CSV)
-    with start_server(GALEWOOD_INVENTORY=str(path)).client() as api:
-        answer = api.get("/api/inventory")
-        assert answer.status_code == 200
-        assert answer.text == CSV
-        assert answer.headers["content-type"].startswith("text/csv")
-        assert answer.headers["content-disposition"].startswith("inline")
+    path.write_text(CSV, encoding="utf-8")
+    server = start_server(GALEWOOD_INVENTORY=str(path))
+    with server.client() as api:
+        for text in (CSV, CSV, CSV.replace("12,30", "15,30")):
+            path.write_text(text, encoding="utf-8")
+            answer = api.get("/api/inventory")
+            assert answer.status_code == 200, answer.text
+            assert answer.headers["content-disposition"].startswith("inline")
+            assert answer.json() == json.loads(json.dumps(read_inventory(path).document()))
+        assert len(list((server.data_dir / "cache" / "inventories").iterdir())) == 2
+        path.write_text("x,y\n", encoding="utf-8")
+        assert problem(api.get("/api/inventory"))[:2] == (415, "unknown-content")
         path.unlink()
-        answer = api.get("/api/inventory")
-        assert (answer.status_code, answer.json()["code"]) == (404, "no-inventory")
-        assert "galewood forest" in answer.json()["hint"]
-
-
-def test_the_command_reports_trees_substitutes_and_skipped_rows(tmp_path: Path) -> None:
-    path, report = tmp_path / "stand.csv", tmp_path / "report.json"
-    path.write_text(CSV)
-    result = CliRunner().invoke(app, ["forest", str(path), "--no-serve", "--json", str(report)])
-    assert result.exit_code == 0, result.output
-    assert "2 trees of 3 rows" in result.output
-    assert "Foo bar: 1 shown as maple (unknown name)" in result.output
-    assert "row 4: neither height nor diameter" in result.output
-    assert json.loads(report.read_text())["stems"] == read_inventory(path).report.stems == 2
+        status, code, hint = problem(api.get("/api/inventory"))
+        assert (status, code) == (404, "no-inventory") and "galewood forest" in hint
 
 
 def test_the_command_refuses_other_files(tmp_path: Path) -> None:
     path = tmp_path / "wind.csv"
-    path.write_text("time,speed,direction\n0,3,240\n")
-    result = CliRunner().invoke(app, ["forest", str(path), "--no-serve"])
+    path.write_text(MAST)
+    result = CliRunner().invoke(app, ["forest", str(path)])
     assert result.exit_code == 1
+    assert "could not be read: no column names were found" in " ".join(result.stderr.split())

@@ -12,6 +12,7 @@ from typing import Any
 
 import httpx
 import pytest
+from galewood_server.api.conversions import LARGEST_BYTES
 from galewood_server.storage import Tree, open_database
 
 from tests.server.conftest import NO_CLUSTER, Server
@@ -150,6 +151,11 @@ def largest_inputs() -> dict[str, Requests]:
         "GET /api/meshes/{sha256}": file,
         "GET /api/species": plain,
         "POST /api/winds/validate": winds(),
+        "POST /api/convert": [
+            {"content": filled(b'"', b"a" * 1000, LARGEST_BYTES)},
+            {"content": filled(b"x,y,height\n", b"1,2,9\n", 20_000 * 6)},
+            {"content": filled(b"time,speed,direction\n0,3,N\n", b"1,2,W\n", 1 << 20)},
+        ],
         "GET /api/inventory": file,
         "GET /api/events": plain,
         "GET /api/jobs/{job_id}/events": plain,
@@ -181,6 +187,13 @@ class Meter:
         return found
 
 
+def stand(folder: Path) -> Path:
+    """The file of as many stems as are planted."""
+    path = folder / "stand.csv"
+    path.write_text("x,y,height\n" + "".join(f"{k % 160},{k // 160},9\n" for k in range(20_000)))
+    return path
+
+
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     folder = tmp_path_factory.mktemp("loop")
@@ -191,6 +204,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         "GALEWOOD_SPECIES_DIR": str(species_folder(folder)),
         "GALEWOOD_JOB_MODULE": "tests.server.fake_job",
         "GALEWOOD_WRITES_PER_MINUTE": "0",
+        "GALEWOOD_INVENTORY": str(stand(folder)),
         "METER_FILE": str(folder / "meter"),
     }
     server = Server(folder / "data", "tests.server.metered_server", environment).start()

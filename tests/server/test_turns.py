@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import threading
 from pathlib import Path
 
@@ -131,5 +132,49 @@ def test_few_requests_wait_for_a_turn() -> None:
         may_end.set()
         await asyncio.gather(*tasks)
         await work()
+
+    anyio.run(run)
+
+
+def test_requests_that_are_received_count_and_few_of_one_address() -> None:
+    async def run() -> None:
+        turns = Turns("conversions", at_once=1, most_waiting=2, most_of_address=2)
+        may_end, at_work = asyncio.Event(), 0
+
+        async def work(address: str) -> None:
+            nonlocal at_work
+            async with turns.admitted(request(address)) as slots:
+                await may_end.wait()  # the body arrives
+                async with slots:
+                    at_work += 1
+                    assert at_work == 1
+                    await settled()
+                    at_work -= 1
+
+        tasks = [asyncio.create_task(work("10.0.0.1")) for _ in range(2)]
+        await settled()
+        with pytest.raises(ProblemError) as refused:
+            await work("10.0.0.1")
+        assert refused.value.problem.code == "busy"
+        tasks.append(asyncio.create_task(work("10.0.0.2")))
+        await settled()
+        with pytest.raises(ProblemError):
+            await work("10.0.0.3")
+        may_end.set()
+        await asyncio.gather(*tasks)
+        await work("10.0.0.1")
+
+    anyio.run(run)
+
+
+def test_of_some_files_only_the_newest_are_kept(tmp_path: Path) -> None:
+    async def run() -> None:
+        files = FilesOnDemand("files", 8, 8, kept=2)
+        for age, name in enumerate("abcd"):
+            work = Work(tmp_path / name)
+            work.may_end.set()
+            await files.have(work.target, request("10.0.0.1"), work)
+            os.utime(work.target, (age, age))
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["c", "d"]
 
     anyio.run(run)

@@ -6,8 +6,7 @@ import { dialTurn_deg, placeOfWind, windAfterKey, windAtPlace } from "../../web/
 import { kolmogorovLine, powerSpectrum } from "../../web/src/page/ui/instruments/powerSpectrum";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "../../web/src/page/ui/instruments/recorder";
 import { presetAt, presetOf, withModel } from "../../web/src/page/ui/instruments/windEditing";
-import { windFromText } from "../../web/src/page/ui/instruments/windFiles";
-import { CALM_BREEZE, MODELS, PRESETS, type PresetName, parseWind, WindError } from "../../web/player/src/core/wind/wind";
+import { CALM_BREEZE, MODELS, PRESETS, type PresetName, parseWind } from "../../web/player/src/core/wind/wind";
 import { random } from "./golden";
 
 describe("Beaufort", () => {
@@ -84,12 +83,6 @@ describe("editing", () => {
       expect(presetOf(presetAt(name, 200))).toBe(name);
     }
     expect(presetOf(CALM_BREEZE)).toBeNull();
-  });
-
-  test("an invalid wind file is rejected with the path", () => {
-    expect(windFromText(JSON.stringify(CALM_BREEZE))).toEqual(CALM_BREEZE);
-    expect(() => windFromText("{")).toThrow(WindError);
-    expect(() => windFromText('{"version":1,"model":"cosine"}')).toThrow(/wind\.mean_speed_m_s: missing/);
   });
 });
 

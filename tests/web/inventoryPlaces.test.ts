@@ -1,18 +1,56 @@
 /** Stems of an inventory as trees of the package galewood. */
 import { Matrix4, Vector3 } from "three";
 import { describe, expect, test } from "vitest";
-import { placesOf, plantInventory, readInventory } from "../../web/player/src/inventory";
+import { InventoryError, placesOf, plantInventory, readInventory } from "../../web/player/src/inventory";
 import type { TreeFiles } from "../../web/player/src/three";
 
-const STAND = `x;y;species;height
-0;0;Quercus robur;20
-10;0;Populus nigra;30
-0;20;Larix decidua;1
-10;20;Acer campestre;80
-`;
-const GEOJSON = JSON.stringify({
-  type: "FeatureCollection",
-  features: [{ type: "Feature", geometry: { type: "Point", coordinates: [8, 47] }, properties: { species: "oak", height: 12 } }],
+const stem = (east_m: number, north_m: number, species: string, builtin: string, height_m: number) => ({
+  line: 2,
+  east_m,
+  north_m,
+  species,
+  builtin,
+  height_m,
+  slender: false,
+});
+const STAND = {
+  version: 1,
+  stems: [
+    stem(-5, -10, "Quercus robur", "maple", 20),
+    stem(5, -10, "Populus nigra", "poplar", 30),
+    stem(-5, 10, "Larix decidua", "poplar", 1),
+    stem(5, 10, "Acer campestre", "maple", 80),
+  ],
+  report: { rows: 4, figures: { Trees: "4 of 4 rows" }, notes: ["No unit of the heights was found: m is assumed."] },
+};
+
+describe("the inventory document", () => {
+  test("is read as text and parsed", () => {
+    const read = readInventory(JSON.stringify(STAND));
+    expect(read).toEqual(readInventory(STAND));
+    expect(read.stems.map(({ east_m, north_m, height_m }) => [east_m, north_m, height_m])).toEqual(
+      STAND.stems.map(({ east_m, north_m, height_m }) => [east_m, north_m, height_m]),
+    );
+    expect(read.report).toEqual({ figures: STAND.report.figures, notes: STAND.report.notes });
+    expect(readInventory({ version: 1, stems: STAND.stems }).report).toBeUndefined();
+  });
+
+  test.each<[string, unknown, string]>([
+    ["a table", "x;y;height\n0;0;9\n", "`galewood convert` makes one of a CSV or GeoJSON file"],
+    ["GeoJSON", { type: "FeatureCollection", features: [] }, "`galewood convert`"],
+    ["nothing", null, "`galewood convert`"],
+    ["another version", { ...STAND, version: 2 }, "version: this reader knows version 1, not 2"],
+    ["no stems", { ...STAND, stems: [] }, "stems: expected at least one"],
+    ["no stem", { ...STAND, stems: [STAND.stems[0], 3] }, "stems[1]: expected an object"],
+    ["a text as a place", { ...STAND, stems: [{ ...STAND.stems[0], east_m: "3" }] }, "stems[0].east_m: expected a number"],
+    ["no height", { ...STAND, stems: [{ ...STAND.stems[0], height_m: 0 }] }, "stems[0].height_m: expected a number above 0"],
+    ["no species", { ...STAND, stems: [{ ...STAND.stems[0], species: null }] }, "stems[0].species: expected a text"],
+    ["no form", { ...STAND, stems: [{ ...STAND.stems[0], slender: null }] }, "stems[0].slender: expected true or false"],
+    ["no texts", { ...STAND, report: { figures: { Trees: 4 }, notes: [] } }, "report: expected the texts"],
+  ])("with %s is refused", (_, document, message) => {
+    expect(() => readInventory(document)).toThrow(InventoryError);
+    expect(() => readInventory(document)).toThrow(message);
+  });
 });
 
 describe("places of an inventory", () => {
@@ -33,12 +71,6 @@ describe("places of an inventory", () => {
     expect(places["Larix decidua"]).toHaveLength(1);
     expect(places.apricot).toHaveLength(3);
     expect(() => placesOf(readInventory(STAND), {})).toThrow(RangeError);
-  });
-
-  test("GeoJSON and bytes are read as well", () => {
-    const [stem] = readInventory(new TextEncoder().encode(GEOJSON)).stems;
-    expect([stem.species, stem.builtin, stem.height_m]).toEqual(["oak", "maple", 12]);
-    expect(() => readInventory("no;table\n1;2\n")).toThrow("x");
   });
 });
 

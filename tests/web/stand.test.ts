@@ -1,6 +1,7 @@
 import { describe, expect, test } from "vitest";
+import type { Stem } from "../../web/player/src/inventory/document";
 import { SCALES } from "../../web/player/src/inventory/places";
-import { type StandStem, placeStand, standView } from "../../web/src/scene/stand";
+import { extentOf, placeStand, standView } from "../../web/src/scene/stand";
 import type { TreeAsset } from "../../web/src/scene/forest";
 import { FOREST_CENTRE } from "../../web/src/scene/placement";
 import type { TreeModel } from "../../web/player/src/trees/mesh/treeMesh";
@@ -21,7 +22,7 @@ const ASSETS = [
   asset("p", "poplar", "open", 16),
   asset("own", "oak", "open", 10, false),
 ];
-const stem = (given: Partial<StandStem>): StandStem => ({
+const stem = (given: Partial<Stem>): Stem => ({
   east_m: 0,
   north_m: 0,
   species: "",
@@ -31,9 +32,9 @@ const stem = (given: Partial<StandStem>): StandStem => ({
   ...given,
 });
 const OPTIONS = { form: "place", named: () => null } as const;
-const place = (stems: StandStem[], perHa = 100, options: object = {}) =>
+const place = (stems: Stem[], options: object = {}) =>
   Object.fromEntries(
-    [...placeStand(ASSETS, { stems, perHa }, { ...OPTIONS, ...options })].map(([{ id }, places]) => [id, places]),
+    [...placeStand(ASSETS, stems, { ...OPTIONS, ...options })].map(([{ id }, places]) => [id, places]),
   );
 
 describe("stems of an inventory", () => {
@@ -45,15 +46,15 @@ describe("stems of an inventory", () => {
     expect(12 * m[0].scale).toBeCloseTo(15, 5);
   });
 
-  test("have the form that was measured, or that suits the density, or that was chosen", () => {
-    const two = [stem({ slender: true, height_m: 20 }), stem({ slender: null })];
+  test("have their own form, or the one that was chosen", () => {
+    const two = [stem({ slender: true, height_m: 20 }), stem({ slender: false })];
     expect(Object.keys(place(two)).sort()).toEqual(["m", "mf"]);
-    expect(place(two, 500).mf).toHaveLength(2);
-    expect(place(two, 500, { form: "open" }).m).toHaveLength(2);
+    expect(place(two, { form: "forest" }).mf).toHaveLength(2);
+    expect(place(two, { form: "open" }).m).toHaveLength(2);
   });
 
   test("are shown by an upload of their name, and by another species if the server lacks theirs", () => {
-    const found = place([stem({ species: "Oak" }), stem({ builtin: "apricot" })], 100, {
+    const found = place([stem({ species: "Oak" }), stem({ builtin: "apricot" })], {
       named: (name: string) => (name === "Oak" ? "own" : null),
     });
     expect(found.own).toHaveLength(1);
@@ -65,6 +66,11 @@ describe("stems of an inventory", () => {
     expect(p[0].scale).toBeCloseTo(SCALES.least, 6);
     expect(p[1].scale).toBeCloseTo(SCALES.most, 6);
   });
+});
+
+test("the extent of a stand is that of its stems, and its highest tree", () => {
+  const stems = [stem({ east_m: -30, north_m: 2 }), stem({ east_m: 30, north_m: -4, height_m: 20 }), stem({ north_m: 4 })];
+  expect(extentOf(stems)).toEqual({ width_m: 60, depth_m: 8, highest_m: 20 });
 });
 
 test("the camera has the whole plot in its width", () => {

@@ -72,11 +72,7 @@ await write(
 // Streams have their own files, so that nobody else loads what they need.
 await write({ stream: "stream" });
 await write({ "galewood.stream.worker": "streamWorker" });
-// Files of measurements and inventories: read once, by few.
-await write(
-  { inventory: "inventory", measured: "measured" },
-  { groups: [{ name: "files", test: /\/(core\/files|files|papaparse)\// }] },
-);
+await write({ inventory: "inventory" });
 // Building blocks share code with each other, not with the entry points above.
 const blocks = ["trees", "wind", "motion", "random", "client"];
 await write(Object.fromEntries(blocks.map((name) => [name, name])), {
@@ -89,7 +85,7 @@ await widget.write({ ...output, dir: join(DIST, "notebook") });
 await widget.close();
 // The licences of what is inside these files.
 mkdirSync(join(DIST, "licences"));
-for (const name of ["papaparse", "@msgpack/msgpack", "three"])
+for (const name of ["@msgpack/msgpack", "three"])
   copyFileSync(
     join(HERE, "../node_modules", name, "LICENSE"),
     join(DIST, "licences", `${basename(name)}.txt`),

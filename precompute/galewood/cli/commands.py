@@ -3,31 +3,33 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from galewood.cli.build_command import register as register_build
 from galewood.cli.check_command import register as register_check
+from galewood.cli.convert_command import register as register_convert
 from galewood.cli.export_command import register as register_export
 from galewood.cli.field_commands import register as register_field
+from galewood.cli.request_options import validated, with_options_of
 from galewood.cli.tools import (
     CacheDir,
     JsonOut,
     console,
     progress_bar,
     progress_reporter,
+    read_wind_document,
     without_frames,
     write_figures,
 )
-from galewood.cli.wind_commands import read_wind_document
-from galewood.cli.wind_commands import register as register_wind
+from galewood.options import EvaluationOptions
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood.pipeline import BuiltinMesh
 
 app = typer.Typer(
-    no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
+    no_args_is_help=True, add_completion=False, help="Simulate, store and play tree motion."
 )
 
 
@@ -35,7 +37,7 @@ register_check(app)
 register_build(app)
 register_export(app)
 register_field(app)
-register_wind(app)
+register_convert(app)
 
 
 @app.command()
@@ -43,7 +45,7 @@ def simulate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
     speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
     direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
-    gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
+    gustiness: Annotated[float, typer.Option(help="Gustiness, 0 (steady) to 1.")] = 0.5,
     seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
     trees: Annotated[int, typer.Option(help="Number of trees, 10 m apart.")] = 16,
     wind_file: Annotated[
@@ -55,7 +57,7 @@ def simulate(
     paper: Annotated[bool, typer.Option("--paper", help="Use the paper's state search.")] = False,
     json_out: JsonOut = None,
 ) -> None:
-    """Play a table under a wind and tell how far its trees sway."""
+    """Play a table in a wind and report how far its trees sway."""
     from galewood.player import play
     from galewood.table import decode
     from galewood.wind import Wind
@@ -69,6 +71,7 @@ def simulate(
 
 
 @app.command()
+@with_options_of(EvaluationOptions, without=("converged",))
 def evaluate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
     mesh: Annotated[
@@ -79,35 +82,23 @@ def evaluate(
         Path | None,
         typer.Option(exists=True, dir_okay=False, help="Model file (.npz); default: found in the cache."),
     ] = None,
-    frames: Annotated[int, typer.Option(min=60, help="Frames per wind.")] = 600,
-    strength: Annotated[float, typer.Option(help="Peak of the winds over the design speed.")] = 0.65,
-    sway: Annotated[
-        float | None, typer.Option(help="Scale each wind until the tree sways by this share of its height.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the winds' directions and timing.")] = 20_001,
-    long: Annotated[
-        int,
-        typer.Option(help="Frames of an extra long run of gusts at --sway (default 0.1), and beyond."),
-    ] = 0,
     plot: Annotated[Path | None, typer.Option(help="Plot of the errors over time to write.")] = None,
-    workers: Annotated[int, typer.Option(help="Processes for the finite-element simulations.")] = 2,
     converged: Annotated[
         bool, typer.Option(help="Also compare with time steps a quarter as long (five times the work).")
     ] = True,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
+    **chosen: Any,
 ) -> None:
     """Compare a table with the finite-element model it was made from, in winds that were not sampled."""
     from galewood.evaluation import SourceError, run_evaluation
     from galewood.util import MeshError
 
+    options = validated(EvaluationOptions, {**chosen, "converged": converged})
     try:
         with progress_bar() as bar:
-            figures = run_evaluation(
-                table, mesh, model, cache_dir, progress_reporter(bar), plot=plot,
-                frames=frames, strength=strength, sway=sway, seed=seed, long=long, workers=workers,
-                converged=converged,
-            )  # fmt: skip
+            report = progress_reporter(bar)
+            figures = run_evaluation(table, mesh, model, options, cache_dir, report, plot=plot)
     except (MeshError, SourceError) as error:
         console.print(f"[red]{error}[/red]")
         raise typer.Exit(1) from None
@@ -182,7 +173,7 @@ def verify(
     json_out: JsonOut = None,
 ) -> None:
     """Check the finite elements against exact solutions, a beam frame, another program and each other."""
-    from galewood.verify import Scope, run_checks, written_into
+    from galewood.verify import Scope, insert_table, run_checks
 
     scope = Scope(
         species_dir=None if quick else species_dir,
@@ -193,7 +184,7 @@ def verify(
         figures = run_checks(scope, lambda check: console.print(check.line()))
     write_figures(json_out, figures)
     if docs is not None:
-        docs.write_text(written_into(docs.read_text(), figures["markdown"]))
+        docs.write_text(insert_table(docs.read_text(), figures["markdown"]))
     console.print(f"{'all passed' if figures['passed'] else 'FAILED'} in {figures['seconds']:.0f} s")
     if not figures["passed"]:
         raise typer.Exit(1)
@@ -206,9 +197,6 @@ def ship(
     ] = None,
     species_dir: Annotated[Path, typer.Option(help="Folder of the built-in trees.")] = Path("assets/species"),
     cache_dir: CacheDir = Path("data/cache"),
-    compliance: Annotated[
-        bool, typer.Option("--compliance", help="Only add the compliance files to the shipped trees.")
-    ] = False,
 ) -> None:
     """Build the tables that are distributed with the built-in trees, where they are out of date."""
     from galewood.pipeline import SHIPPED_FOLDER, builtin_meshes, outdated
@@ -217,23 +205,12 @@ def ship(
     unknown = set(names or ()) - set(meshes)
     if unknown:
         raise typer.BadParameter(f"unknown tree {sorted(unknown)[0]!r}; known: {', '.join(meshes)}")
-    if compliance:
-        _ship_compliance([meshes[name] for name in names or meshes], species_dir, cache_dir)
-        return
     chosen = [meshes[name] for name in names] if names else list(outdated(species_dir))
     for mesh in chosen:
         _ship(mesh, species_dir, cache_dir)
         console.print(f"{mesh.name}: written to {species_dir / SHIPPED_FOLDER}")
     if not chosen:
         console.print("All shipped tables are up to date.")
-
-
-def _ship_compliance(meshes: list[BuiltinMesh], species_dir: Path, cache_dir: Path) -> None:
-    from galewood.pipeline import SHIPPED_FOLDER, ship_compliance
-
-    for mesh in meshes:
-        size = ship_compliance(mesh, species_dir / SHIPPED_FOLDER, cache_dir)
-        console.print(f"{mesh.name}: {'not shipped' if size is None else f'{size / 1e6:.2f} MB'}")
 
 
 def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:

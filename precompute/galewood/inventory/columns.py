@@ -1,7 +1,4 @@
-"""Which column of an inventory holds what, and in which unit.
-
-Twin: web/player/src/core/inventory/columns.ts.
-"""
+"""Which column of an inventory holds what, and in which unit."""
 
 from __future__ import annotations
 
@@ -74,6 +71,11 @@ def find_header(rows: list[Row]) -> tuple[Columns, int]:
         if columns is not None:
             return columns, k + 1
     raise InventoryError(NEEDED)
+
+
+def is_inventory(rows: list[Row]) -> bool:
+    """Whether a table, or its beginning, has the columns of an inventory."""
+    return any(columns_of(row) is not None for row in rows[:HEADER_WITHIN])
 
 
 def columns_of(row: Row) -> Columns | None:

@@ -1,7 +1,4 @@
-"""Points of a GeoJSON file (RFC 7946) as rows, so that they are read like a table.
-
-Twin: web/player/src/core/inventory/geojson.ts.
-"""
+"""Points of a GeoJSON file (RFC 7946) as rows, so that they are read like a table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Longitude and latitude to metres about a point. Twin: web/player/src/core/inventory/projection.ts."""
+"""Longitude and latitude to metres about a point."""
 
 from __future__ import annotations
 

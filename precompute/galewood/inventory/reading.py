@@ -1,17 +1,25 @@
-"""From the rows of an inventory to trees. Twin: web/player/src/core/inventory/reading.ts."""
+"""From the rows of an inventory to trees."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
 
+from galewood.constants import INVENTORY_VERSION
 from galewood.inventory.columns import LENGTHS_M, Columns, find_header
 from galewood.inventory.errors import InventoryError
 from galewood.inventory.geojson import rows_of_geojson
-from galewood.inventory.notes import notes_of, substitutes_of
 from galewood.inventory.projection import local_m
+from galewood.inventory.report import (
+    MOST_LISTED,
+    InventoryReport,
+    Skipped,
+    figures_of,
+    notes_of,
+    substitutes_of,
+)
 from galewood.inventory.species import match_species
 from galewood.util import Row, decoded, number_of, rows_of
 
@@ -21,10 +29,10 @@ FARTHEST_M = 1000.0
 """Stems farther than this from the middle are left out."""
 LOWEST_M, HIGHEST_M = 0.5, 120.0
 THICKEST_M = 12.0
-SLENDER = 65.0
-"""Height over diameter above which a tree has grown in a stand; assumed."""
-MOST_LISTED = 20
-"""Rows whose faults are listed one by one."""
+SLENDER_HEIGHT_PER_DIAMETER = 65.0
+"""Above it a tree has grown in a stand; assumed."""
+DENSE_PER_HA = 200.0
+"""Trees without a measured height or diameter are slender in denser stands; assumed."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +40,7 @@ class Stem:
     """A tree of the inventory, placed relative to the middle of the plot."""
 
     line: int
+    """Of the file; the number of the feature in a GeoJSON file."""
     east_m: float
     north_m: float
     species: str
@@ -39,43 +48,8 @@ class Stem:
     builtin: str
     """The built-in species that stands for it."""
     height_m: float
-    slender: bool | None
-    """Whether it has grown in a stand; None without a diameter."""
-
-
-@dataclass(frozen=True)
-class Skipped:
-    """A row without a tree."""
-
-    line: int
-    reason: str
-
-
-@dataclass(frozen=True)
-class Report:
-    """What was understood."""
-
-    columns: dict[str, str]
-    """What each column was taken for: its name, with the unit."""
-    rows: int
-    stems: int
-    skipped: int
-    first_skipped: tuple[Skipped, ...]
-    substitutes: tuple[dict[str, object], ...]
-    """Names without a tree of their genus: ``name``, ``builtin``, ``genus`` (empty: unknown), ``stems``."""
-    width_m: float
-    """Extent from west to east."""
-    depth_m: float
-    """Extent from south to north."""
-    lowest_m: float
-    highest_m: float
-    per_ha: float
-    estimated_heights: int
-    notes: tuple[str, ...]
-
-    def document(self) -> dict[str, object]:
-        """The report as JSON."""
-        return asdict(self)
+    slender: bool
+    """Whether it has grown in a stand."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +57,12 @@ class Inventory:
     """The trees of an inventory, and what was understood of its file."""
 
     stems: tuple[Stem, ...]
-    report: Report
+    report: InventoryReport
+
+    def document(self) -> dict[str, object]:
+        """The inventory document, which page and player read (docs/formats/inventory.md)."""
+        stems = [asdict(stem) for stem in self.stems]
+        return {"version": INVENTORY_VERSION, "stems": stems, "report": self.report.document()}
 
 
 @dataclass(frozen=True)
@@ -179,10 +158,10 @@ def _place(columns: Columns, units: dict[str, str], row: Row) -> tuple[float, fl
     names = ("lon", "lat") if columns.geographic else ("x", "y")
     x, y = (_number(columns, row, name) for name in names)
     if math.isnan(x) or math.isnan(y):
-        raise ValueError("no place")
+        raise ValueError("no coordinates")
     if columns.geographic:
         if not (-180.0 <= x <= 180.0 and -89.0 <= y <= 89.0):
-            raise ValueError(f"longitude {x:.4f} and latitude {y:.4f} are no place")
+            raise ValueError(f"longitude {x:.4f} and latitude {y:.4f} are out of range")
         return x, y
     return x * LENGTHS_M[units["x"]], y * LENGTHS_M[units["x"]]
 
@@ -215,16 +194,16 @@ def _placed(raws: list[_Raw], geographic: bool) -> tuple[list[_Raw], list[Skippe
     skipped = [
         Skipped(
             raws[k].line,
-            f"{distances[k]:.0f} m from the middle; at most {FARTHEST_M:.0f} m are shown"
+            f"{distances[k]:.0f} m from the centre; at most {FARTHEST_M:.0f} m are shown"
             if distances[k] > FARTHEST_M
-            else f"beyond the {MOST_STEMS} stems nearest to the middle",
+            else f"beyond the {MOST_STEMS} stems nearest to the centre",
         )
         for k in range(len(raws))
         if k not in near
     ]
     kept = [k for k in range(len(raws)) if k in near]
     if not kept:
-        raise InventoryError(f"all stems are more than {FARTHEST_M:.0f} m from their middle")
+        raise InventoryError(f"all stems are more than {FARTHEST_M:.0f} m from their centre")
     xs, ys = [offsets[k][0] for k in kept], [offsets[k][1] for k in kept]
     x0, y0 = 0.5 * (min(xs) + max(xs)), 0.5 * (min(ys) + max(ys))
     placed = [
@@ -240,27 +219,31 @@ def estimated_height_m(dbh_m: float) -> float:
     return 1.3 + 30.0 * (1.0 - math.exp(-dbh_m / 0.28))
 
 
-def _stem(raw: _Raw) -> Stem:
-    unknown = math.isnan(raw.height_m)
-    height_m = estimated_height_m(raw.dbh_m) if unknown else raw.height_m
-    slender = None if unknown or math.isnan(raw.dbh_m) else height_m / raw.dbh_m > SLENDER
+def _stem(raw: _Raw, per_ha: float) -> Stem:
+    formless = _is_formless(raw)
+    height_m = estimated_height_m(raw.dbh_m) if math.isnan(raw.height_m) else raw.height_m
+    slender = per_ha > DENSE_PER_HA if formless else height_m / raw.dbh_m > SLENDER_HEIGHT_PER_DIAMETER
     builtin = match_species(raw.species, height_m).builtin
     return Stem(raw.line, raw.x, raw.y, raw.species, builtin, height_m, slender)
+
+
+def _is_formless(raw: _Raw) -> bool:
+    """Whether height or diameter is missing, which decide whether the tree is slender."""
+    return math.isnan(raw.height_m) or math.isnan(raw.dbh_m)
 
 
 def _reported(
     placed: list[_Raw], skipped: list[Skipped], columns: Columns, units: dict[str, str], rows: int
 ) -> Inventory:
-    stems = tuple(_stem(raw) for raw in placed)
-    east, north = [stem.east_m for stem in stems], [stem.north_m for stem in stems]
+    east, north = [raw.x for raw in placed], [raw.y for raw in placed]
     width_m, depth_m = max(east) - min(east), max(north) - min(north)
-    estimated = sum(math.isnan(raw.height_m) for raw in placed)
-    area_ha = max(width_m * depth_m, 100.0) / 10_000.0
+    per_ha = len(placed) / (max(width_m * depth_m, 100.0) / 10_000.0)
+    stems = tuple(_stem(raw, per_ha) for raw in placed)
     understood = {
         what: f"{name}: {unit}" if (unit := units.get("x" if what == "y" else what)) else name
         for what, name in columns.names.items()
     }
-    report = Report(
+    report = InventoryReport(
         columns=understood,
         rows=rows,
         stems=len(stems),
@@ -271,8 +254,11 @@ def _reported(
         depth_m=depth_m,
         lowest_m=min(stem.height_m for stem in stems),
         highest_m=max(stem.height_m for stem in stems),
-        per_ha=len(stems) / area_ha,
-        estimated_heights=estimated,
-        notes=notes_of(columns, units, estimated, sum(stem.slender is None for stem in stems), len(stems)),
+        per_ha=per_ha,
+        estimated_heights=sum(math.isnan(raw.height_m) for raw in placed),
+        figures={},
+        notes=(),
     )
-    return Inventory(stems, report)
+    formless = sum(map(_is_formless, placed))
+    notes = notes_of(report, columns, units, formless)
+    return Inventory(stems, replace(report, figures=figures_of(report), notes=notes))

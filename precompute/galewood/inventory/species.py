@@ -1,7 +1,7 @@
 """Species names of inventories (Latin, English, German) and the built-in tree that stands for each.
 
 Only populus, acer and prunus have trees of their own. All others are substituted by habit: tall and narrow,
-broad, or small; an assumption. Twin: web/player/src/core/inventory/species.ts.
+broad, or small; an assumption.
 """
 
 from __future__ import annotations

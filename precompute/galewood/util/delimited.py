@@ -1,7 +1,4 @@
-"""Text tables with separators: delimiter, rows with their lines, and numbers as loggers write them.
-
-Twin: web/player/src/core/files/delimited.ts, where the page splits the rows with Papa Parse.
-"""
+"""Text tables with separators: delimiter, rows with their lines, and numbers as loggers write them."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
 WRITE_METHODS = frozenset({"POST", "PUT", "PATCH", "DELETE"})
-READ_ONLY_POSTS = frozenset({"/api/winds/validate"})  # POST only because it needs a request body
+READ_ONLY_POSTS = frozenset({"/api/winds/validate", "/api/convert"})  # POST only because of their bodies
 FORWARDED = frozenset(
     {
         "forwarded", "via", "x-real-ip", "x-client-ip", "x-cluster-client-ip", "x-original-host",

@@ -21,38 +21,53 @@ MOST_REMEMBERED = 1000
 
 
 class Turns:
-    """Work of which `at_once` pieces run; `most_waiting` further requests wait, the others are refused."""
+    """Work of which `at_once` pieces run; `most_waiting` further requests wait, the others are refused.
 
-    def __init__(self, what: str, at_once: int, most_waiting: int) -> None:
+    `most_of_address` limits the requests of one address among them, where anyone may ask.
+    """
+
+    def __init__(
+        self, what: str, at_once: int, most_waiting: int, most_of_address: int | None = None
+    ) -> None:
         self._what = what
         self._slots = asyncio.Semaphore(at_once)
         self._room = at_once + most_waiting
-        self._inside = 0
+        self._most_of_address = self._room if most_of_address is None else most_of_address
+        self._inside: dict[str, int] = {}
 
     @asynccontextmanager
     async def taken(self) -> AsyncGenerator[None]:
         """Wait for a turn, which lasts as long as the block. ProblemError 503 if too many wait."""
-        if self._inside >= self._room:
+        async with self.admitted() as slots, slots:
+            yield
+
+    @asynccontextmanager
+    async def admitted(self, request: HTTPConnection | None = None) -> AsyncGenerator[asyncio.Semaphore]:
+        """Give a request room, so that it may receive its body; its work holds the semaphore.
+
+        ProblemError 503 if there are too many, in total or of its address.
+        """
+        key = "" if request is None else _address(request)
+        mine, all_inside = self._inside.get(key, 0), sum(self._inside.values())
+        if all_inside >= self._room or mine >= self._most_of_address:
             raise _busy(self._what)
-        self._inside += 1
-        try:
-            async with self._slots:
-                yield
-        finally:
-            self._inside -= 1
+        with counted(self._inside, key):
+            yield self._slots
 
 
 class FilesOnDemand:
     """Files that are made when they are first asked for, one after the other.
 
     Requests for a file that is being made wait for it and do not make it again. Reading needs no key, so the
-    number of requests that wait is limited, in total and for each address.
+    number of requests that wait is limited, in total and for each address. Of the files in the folder, the
+    `kept` newest are kept; None: all.
     """
 
-    def __init__(self, what: str, most_waiting: int, most_of_address: int) -> None:
+    def __init__(self, what: str, most_waiting: int, most_of_address: int, kept: int | None = None) -> None:
         self._what = what
         self._most_waiting = most_waiting
         self._most_of_address = most_of_address
+        self._kept = kept
         self._waiting: dict[str, int] = {}
         self._slot = asyncio.Semaphore(1)
         self._under_way: dict[Path, asyncio.Task[None]] = {}
@@ -67,7 +82,7 @@ class FilesOnDemand:
         if target.is_file():
             return
         self._raise_failed(target)
-        key = rate_limit_key(request.client.host if request.client else "")
+        key = _address(request)
         mine, all_waiting = self._waiting.get(key, 0), sum(self._waiting.values())
         if all_waiting >= self._most_waiting or mine >= self._most_of_address:
             raise _busy(self._what)
@@ -83,6 +98,8 @@ class FilesOnDemand:
     async def _make(self, target: Path, make: Callable[[], None]) -> None:
         async with self._slot:
             await asyncio.to_thread(make)
+            if self._kept is not None:
+                await asyncio.to_thread(_keep_newest, target.parent, self._kept)
 
     def _ended(self, target: Path, task: asyncio.Task[None]) -> None:
         del self._under_way[target]
@@ -100,6 +117,17 @@ class FilesOnDemand:
             del self._failed[target]
             return
         raise error.with_traceback(None)
+
+
+def _address(request: HTTPConnection) -> str:
+    return rate_limit_key(request.client.host if request.client else "")
+
+
+def _keep_newest(folder: Path, count: int) -> None:
+    """Remove all files but the newest."""
+    files = sorted(folder.glob("[!.]*"), key=lambda path: path.stat().st_mtime)
+    for path in files[:-count]:
+        path.unlink(missing_ok=True)
 
 
 def _busy(what: str) -> ProblemError:

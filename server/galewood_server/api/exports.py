@@ -13,7 +13,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
 from galewood.export import REVISION, ExportKind, ExportOptions, TextureFormat
-from galewood.util import write_whole
+from galewood.util import write_atomically
 from galewood.wind import PRESETS, Wind, parse_wind
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -22,8 +22,6 @@ from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, problems
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-KEPT = 32
-"""Exports kept on disk; the oldest are removed."""
 ZIP = contents("The files of the export.", "application/zip")
 
 
@@ -40,7 +38,7 @@ class ExportQuery(BaseModel):
     loop_s: float = Field(default=8.0, ge=1, le=60, description="Length of the loop, s.")
     fps: float = Field(default=30.0, ge=5, le=60, description="Frames per second.")
     format: TextureFormat = Field(default="exr", description="Textures of `vat`.")
-    bones: int = Field(default=256, ge=4, le=256, description="Most bones of a skeleton.")
+    bones: int = Field(default=256, ge=4, le=256, description="Maximum number of bones.")
 
     def options(self) -> ExportOptions:
         """The options. WindError."""
@@ -114,7 +112,4 @@ def _export(service: Service, source: _Source, kind: str, options: ExportOptions
 
     stores = service.stores
     table, mesh = stores.tables.get(source.table_sha256), stores.meshes.get(source.mesh_sha256)
-    write_whole(target, export_limited(table, mesh, kind, source.name, options))
-    kept = sorted(target.parent.glob("*.zip"), key=lambda path: path.stat().st_mtime)
-    for path in kept[:-KEPT]:
-        path.unlink(missing_ok=True)
+    write_atomically(target, export_limited(table, mesh, kind, source.name, options))

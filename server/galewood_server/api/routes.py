@@ -5,10 +5,10 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from galewood_server.api import (
+    conversions,
     events,
     exports,
     health,
-    inventories,
     jobs,
     metrics,
     pieces,
@@ -27,6 +27,6 @@ ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
         uploads, trees, revisions, pieces, thumbnails, structures, exports, jobs, job_pictures, comparisons,
-        evaluations, tables, artefacts, wood_species, winds, inventories, events, socket, health, metrics,
+        evaluations, tables, artefacts, wood_species, winds, conversions, events, socket, health, metrics,
     )
 )  # fmt: skip

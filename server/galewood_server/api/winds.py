@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request
 from galewood.wind import parse_wind
 from pydantic import BaseModel
 
-from galewood_server.http import ProblemError, problems
+from galewood_server.http import ProblemError, problems, read_body
 
 router = APIRouter(prefix="/api/winds", tags=["winds"])
 LARGEST_BYTES = 64 * 1024
@@ -33,18 +33,10 @@ async def validate(request: Request) -> WindOut:
 
     422 `bad-wind` names the path of the invalid field and the allowed values.
     """
-    body = await _body(request)
+    title, hint = "The wind document is too large", f"At most {LARGEST_BYTES} bytes."
+    too_large = ProblemError(413, "wind-too-large", title, hint=hint)
+    body = await read_body(request, LARGEST_BYTES, too_large)
     return await asyncio.to_thread(lambda: WindOut(wind=parse_wind(_json(body)).document()))
-
-
-async def _body(request: Request) -> bytes:
-    body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > LARGEST_BYTES:
-            title = "The wind document is too large"
-            raise ProblemError(413, "wind-too-large", title, hint=f"At most {LARGEST_BYTES} bytes.")
-    return bytes(body)
 
 
 def _json(body: bytes) -> object:

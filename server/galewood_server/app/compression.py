@@ -8,8 +8,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.http import COMPRESSED_BYTES, GZIP_LEVEL
 
-FILES = ("/api/tables/", "/api/records/", "/api/compliances/", "/api/meshes/")
-"""Paths of files, which are served in ranges or compressed already."""
+FILES = ("/api/tables/", "/api/records/", "/api/compliances/", "/api/meshes/", "/api/convert")
+"""Paths of files, which are served in ranges or compressed already, or are large and come in one piece."""
 
 
 class CompressedJson:

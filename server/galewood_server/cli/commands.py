@@ -5,13 +5,21 @@ from __future__ import annotations
 import os
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
-from galewood.cli import JsonOut, app, console, write_figures
+from galewood.cli import (
+    JsonOut,
+    app,
+    console,
+    print_report,
+    validated,
+    with_options_of,
+    write_figures,
+)
 
-from galewood_server.cli.extras import needs_extras, read_settings
-from galewood_server.cli.forest import report_inventory
+from galewood_server.cli.extras import end_with, needs_extras, read_settings
+from galewood_server.cli.load import Load
 from galewood_server.cli.operations import doctor, key, upload
 
 for command in (upload, doctor, key):
@@ -40,18 +48,18 @@ def serve(
 @app.command()
 def forest(
     inventory: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="CSV or GeoJSON of stems.")],
-    serving: Annotated[
-        bool, typer.Option("--serve/--no-serve", help="Serve the page with these trees, or only report.")
-    ] = True,
     host: Annotated[str | None, typer.Option(help="Address to listen on (HOST).")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on (PORT).")] = None,
     data_dir: Annotated[Path | None, typer.Option(help="Data folder (GALEWOOD_DATA_DIR).")] = None,
-    json_out: JsonOut = None,
 ) -> None:
     """Plant a forest from an inventory of stems (position, species, height, diameter) and serve it."""
-    report_inventory(inventory, json_out)
-    if not serving:
-        return
+    from galewood.inventory import InventoryError, read_inventory
+
+    try:
+        report = read_inventory(inventory).report
+    except InventoryError as error:
+        end_with(f"{inventory} could not be read: {error}.")
+    print_report(report.figures, report.notes)
     os.environ["GALEWOOD_INVENTORY"] = str(inventory.resolve())
     given_port = port or os.environ.get("GALEWOOD_PORT") or os.environ.get("PORT") or "8000"
     given_host = host or os.environ.get("GALEWOOD_HOST") or os.environ.get("HOST") or "127.0.0.1"
@@ -60,35 +68,17 @@ def forest(
 
 
 @app.command("bench-serve")
+@with_options_of(Load)
 def bench_serve(
-    clients: Annotated[int, typer.Option(help="Number of clients that read.")] = 200,
-    trees: Annotated[int, typer.Option(help="Trees per forest.")] = 1000,
-    forests: Annotated[int, typer.Option(help="Number of shared forests; 0 gives each client its own.")] = 1,
-    stalled: Annotated[int, typer.Option(help="Additional clients that never read, in a second phase.")] = 20,
-    seconds: Annotated[float, typer.Option(help="Length of the first phase (s).")] = 20.0,
-    paper: Annotated[
-        bool, typer.Option(help="Use the paper's state search instead of the modal model.")
-    ] = False,
-    server_core: Annotated[int, typer.Option(help="CPU core of the server; −1 for any.")] = 0,
-    client_core: Annotated[int, typer.Option(help="CPU core of the clients; −1 for any.")] = 1,
     table: Annotated[list[Path] | None, typer.Option(exists=True, help="Table files of the trees.")] = None,
     data_dir: Annotated[Path, typer.Option(help="Data folder to search for tables.")] = Path("data"),
     json_out: JsonOut = None,
+    **chosen: Any,
 ) -> None:
     """Benchmark one server process on one core: frame rate, frame age and memory."""
     with needs_extras():
-        from galewood_server.cli.bench_load import Load, run_load, table_files
+        from galewood_server.cli.bench_load import run_load, table_files
 
-    load = Load(
-        clients=clients,
-        trees=trees,
-        forests=forests,
-        stalled=stalled,
-        seconds=seconds,
-        method="paper" if paper else "modal",
-        server_core=None if server_core < 0 else server_core,
-        client_core=None if client_core < 0 else client_core,
-    )
-    figures = run_load(table or table_files(data_dir), load)
+    figures = run_load(table or table_files(data_dir), validated(Load, chosen))
     write_figures(json_out, figures)
     console.print_json(data=figures)

@@ -66,7 +66,8 @@ frame.updateMatrixWorld();
 const before = planted[0].tip(0, new Vector3());
 const pair = await forests[2].plant(files, [matrixOf(9), matrixOf(9), matrixOf(9)]);
 // Beyond the picture.
-const stems = readInventory("x;y;species;height\n0;0;poplar;12\n600;0;aspen;6\n");
+const stem = (east_m, species, height_m) => ({ east_m, north_m: 0, species, builtin: "poplar", height_m, slender: false });
+const stems = readInventory({ version: 1, stems: [stem(-300, "poplar", 12), stem(300, "aspen", 6)] });
 const stand = await plantInventory(forests[1], stems, { poplar: files });
 const stand_m = [0, 1].map((tree) => stand.poplar.tip(tree, new Vector3()).y); // at rest
 const refused = await forests[0]

@@ -1,28 +1,10 @@
 /** A forest from an inventory: every stem is a tree of its species, at its place and as tall as measured. Pure. */
-import { SCALES } from "galewood/inventory";
+import { SCALES, type Stem } from "galewood/inventory";
 import { hashUnit } from "galewood/random";
 import type { Placement } from "galewood/trees";
 import type { TreeAsset } from "./forest";
 import { type FormChoice, formAt, kindsOf } from "./forms";
 import { FOREST_CENTRE } from "./placement";
-
-/** A stem as the scene needs it (galewood/inventory reads it from a file). */
-export interface StandStem {
-  readonly east_m: number;
-  readonly north_m: number;
-  readonly species: string;
-  /** Built-in species that stands for it. */
-  readonly builtin: string;
-  readonly height_m: number;
-  /** Whether it has grown in a stand; null if that is unknown. */
-  readonly slender: boolean | null;
-}
-
-export interface Stand {
-  readonly stems: readonly StandStem[];
-  /** Stems per hectare, which decides on the form where it is unknown. */
-  readonly perHa: number;
-}
 
 export interface StandOptions {
   readonly form: FormChoice;
@@ -32,11 +14,9 @@ export interface StandOptions {
 
 /** Ids of other places are smaller (placement.ts, clearing.ts). */
 const FIRST_ID = 2 ** 25;
-/** Trees that nobody measured to be slender are so in stands of more stems. */
-const DENSE_PER_HA = 200;
 
 /** Where a stem stands: the middle of the plot is the middle of the forest; north is up, away from the first view. */
-const placeOf = (stem: StandStem, index: number, height_m: number): Placement => ({
+const placeOf = (stem: Stem, index: number, height_m: number): Placement => ({
   id: FIRST_ID + index,
   x_m: FOREST_CENTRE.x_m + stem.east_m,
   z_m: FOREST_CENTRE.z_m - stem.north_m,
@@ -47,10 +27,10 @@ const placeOf = (stem: StandStem, index: number, height_m: number): Placement =>
 /** The places of each tree of a stand; stems whose tree is not loaded yet are left out. */
 export function placeStand(
   assets: readonly TreeAsset[],
-  { stems, perHa }: Stand,
+  stems: readonly Stem[],
   options: StandOptions,
 ): Map<TreeAsset, Placement[]> {
-  const tree = treeChooser(assets, perHa, options);
+  const tree = treeChooser(assets, options);
   const places = new Map<TreeAsset, Placement[]>();
   stems.forEach((stem, index) => {
     const asset = tree(stem);
@@ -62,12 +42,12 @@ export function placeStand(
   return places;
 }
 
-function treeChooser(assets: readonly TreeAsset[], perHa: number, { form, named }: StandOptions) {
+function treeChooser(assets: readonly TreeAsset[], { form, named }: StandOptions) {
   const kinds = kindsOf(assets.filter(({ builtin }) => builtin));
   const bySpecies = new Map(kinds.map((kind) => [(kind.open ?? kind.forest)?.species, kind]));
   const byId = new Map(assets.map((asset) => [asset.id, asset]));
   const uploads = new Map<string, TreeAsset | null>();
-  return (stem: StandStem): TreeAsset | null => {
+  return (stem: Stem): TreeAsset | null => {
     let own = uploads.get(stem.species);
     if (own === undefined) {
       own = byId.get(named(stem.species) ?? "") ?? null;
@@ -76,7 +56,7 @@ function treeChooser(assets: readonly TreeAsset[], perHa: number, { form, named 
     if (own) return own;
     // a server may have only some of the species
     const kind = bySpecies.get(stem.builtin) ?? kinds[0];
-    const slender = form === "place" ? (stem.slender ?? perHa > DENSE_PER_HA) : form === "forest";
+    const slender = form === "place" ? stem.slender : form === "forest";
     return kind ? formAt(kind, !slender) : null;
   };
 }
@@ -86,6 +66,20 @@ export interface StandSize {
   readonly width_m: number;
   readonly depth_m: number;
   readonly highest_m: number;
+}
+
+/** The extent of stems, which stand about the middle of their plot. */
+export function extentOf(stems: readonly Stem[]): StandSize {
+  const extent = { west: 0, east: 0, south: 0, north: 0, highest_m: 0 };
+  for (const { east_m, north_m, height_m } of stems) {
+    extent.west = Math.min(extent.west, east_m);
+    extent.east = Math.max(extent.east, east_m);
+    extent.south = Math.min(extent.south, north_m);
+    extent.north = Math.max(extent.north, north_m);
+    extent.highest_m = Math.max(extent.highest_m, height_m);
+  }
+  const { west, east, south, north, highest_m } = extent;
+  return { width_m: east - west, depth_m: north - south, highest_m };
 }
 
 /** Half the vertical angle of view. */

@@ -1,7 +1,4 @@
-"""Which column of a table is time, speed, direction or a component, and in which unit.
-
-Twin: web/player/src/core/wind/measured/columns.ts.
-"""
+"""Which column of a table is time, speed, direction or a component, and in which unit."""
 
 from __future__ import annotations
 

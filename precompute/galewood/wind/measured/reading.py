@@ -1,4 +1,4 @@
-"""From the file of a logger to a wind. Twin: web/player/src/core/wind/measured/reading.ts.
+"""From the file of a logger to a wind.
 
 The mean wind is the mean speed (as a cup anemometer has it) towards the mean direction of the velocity; the
 rest of each sample is a fluctuation along and across it.
@@ -7,17 +7,17 @@ rest of each sample is a fluctuation along and across it.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from galewood.constants import MOST_RECORDING_SAMPLES, TURBULENCE_PER_GUSTINESS
 from galewood.util import decoded, rows_of
 from galewood.wind.document import Wind
 from galewood.wind.measured.errors import MeasurementError
-from galewood.wind.measured.notes import notes_of
+from galewood.wind.measured.report import MeasurementReport, figures_of, notes_of
 from galewood.wind.measured.samples import Samples, samples_of
 from galewood.wind.measured.series import Found, Series, series_of
-from galewood.wind.models.frame import TURBULENCE_PER_GUSTINESS
-from galewood.wind.recording import MOST_SAMPLES, quantised
+from galewood.wind.recording import quantised
 
 LARGEST_BYTES = 64 * 1024**2
 CLOSING_S = 5.0
@@ -29,46 +29,15 @@ LONGEST_INTERVAL_S = 3600.0
 
 
 @dataclass(frozen=True)
-class Report:
-    """What was understood."""
-
-    columns: dict[str, str]
-    """What each column was taken for: its name, with the unit."""
-    rows: int
-    missing: int
-    implausible: int
-    duplicates: int
-    disordered: int
-    gaps: int
-    longest_gap_s: float
-    rate_hz: float
-    duration_s: float
-    used_rate_hz: float
-    used_start_s: float
-    """First used sample, from the first one of the file."""
-    used_s: float
-    loop_s: float
-    """Period of the wind: the used part and the passage back to its beginning."""
-    mean_speed_m_s: float
-    max_speed_m_s: float
-    from_deg: float
-    """Mean direction that the wind comes from, clockwise from north."""
-    intensity: float
-    """Turbulence intensity: standard deviation of the speed over its mean."""
-    notes: tuple[str, ...]
-    """Assumptions and faults, as sentences."""
-
-    def document(self) -> dict[str, object]:
-        """The report as JSON."""
-        return asdict(self)
-
-
-@dataclass(frozen=True)
 class Measurement:
     """A measured wind and what was understood of its file."""
 
     wind: Wind
-    report: Report
+    report: MeasurementReport
+
+    def document(self) -> dict[str, object]:
+        """The wind document and the report, as JSON."""
+        return {"wind": self.wind.document(), "report": self.report.document()}
 
 
 def read_measurement(file: Path | bytes, *, start_s: float = 0.0) -> Measurement:
@@ -78,7 +47,7 @@ def read_measurement(file: Path | bytes, *, start_s: float = 0.0) -> Measurement
     """
     data = file if isinstance(file, bytes) else file.read_bytes()
     if len(data) > LARGEST_BYTES:
-        raise MeasurementError(f"the file is larger than {LARGEST_BYTES // 1024**2} MB; cut it")
+        raise MeasurementError(f"the file is larger than {LARGEST_BYTES // 1024**2} MB; split it")
     try:
         samples = samples_of(rows_of(decoded(data)))
     except MeasurementError:
@@ -87,7 +56,7 @@ def read_measurement(file: Path | bytes, *, start_s: float = 0.0) -> Measurement
         raise MeasurementError(str(error)) from None
     whole, found = series_of(samples)
     if whole.interval_s > LONGEST_INTERVAL_S:
-        raise MeasurementError("the samples are more than an hour apart: that is no record of gusts")
+        raise MeasurementError("the samples are more than an hour apart: too far to contain gusts")
     used, first = _part(whole, start_s)
     return _measurement(samples, found, used, first)
 
@@ -95,7 +64,7 @@ def read_measurement(file: Path | bytes, *, start_s: float = 0.0) -> Measurement
 def _part(series: Series, start_s: float) -> tuple[Series, int]:
     """The part that fits into a document, with room for the passage back, and the index of its first."""
     first = math.floor(max(start_s, 0.0) / series.interval_s + 0.5)
-    room = MOST_SAMPLES - _closing(MOST_SAMPLES, series.interval_s)
+    room = MOST_RECORDING_SAMPLES - _closing(MOST_RECORDING_SAMPLES, series.interval_s)
     last = min(first + room, len(series.east_m_s))
     if last - first < 2:
         raise MeasurementError(f"the series ends before {start_s:g} s; choose an earlier start")
@@ -129,7 +98,7 @@ def _measurement(samples: Samples, found: Found, used: Series, first: int) -> Me
         recording=quantised(closed, used.interval_s),
     )
     columns = samples.columns
-    report = Report(
+    report = MeasurementReport(
         columns=columns.understood,
         rows=found.rows,
         missing=found.missing,
@@ -148,9 +117,11 @@ def _measurement(samples: Samples, found: Found, used: Series, first: int) -> Me
         max_speed_m_s=max(speeds),
         from_deg=(math.degrees(heading) + 630.0) % 360.0,
         intensity=intensity,
+        figures={},
         notes=(),
     )
-    return Measurement(wind, replace(report, notes=notes_of(asdict(report), columns)))
+    figures, notes = figures_of(report), notes_of(report, columns)
+    return Measurement(wind, replace(report, figures=figures, notes=notes))
 
 
 def _fluctuations(

@@ -1,7 +1,4 @@
-"""The samples of a table: times and velocities, as they stand in the file.
-
-Twin: web/player/src/core/wind/measured/samples.ts.
-"""
+"""The samples of a table: times and velocities, as they stand in the file."""
 
 from __future__ import annotations
 
@@ -52,8 +49,11 @@ def samples_of(rows: Iterable[Row]) -> Samples:
     """Read the rows of a table. MeasurementError with line and column."""
     kept = list(islice(rows, MOST_ROWS + 1))
     if len(kept) > MOST_ROWS:
-        raise MeasurementError(f"more than {MOST_ROWS} rows; cut the file")
-    columns, first = _header(kept)
+        raise MeasurementError(f"more than {MOST_ROWS} rows; split the file")
+    header = _header(kept)
+    if header is None:
+        raise MeasurementError(NO_HEADER)
+    columns, first = header
     data = [row for row in kept[first:] if not row.is_comment]
     columns, skipped = _skip_units(columns, data)
     data = data[skipped:]
@@ -67,8 +67,13 @@ def samples_of(rows: Iterable[Row]) -> Samples:
     return samples
 
 
-def _header(rows: list[Row]) -> tuple[Columns, int]:
-    """The columns and the index of the row after their names."""
+def is_measurement(rows: list[Row]) -> bool:
+    """Whether a table, or its beginning, has the columns of an anemometer's record."""
+    return _header(rows) is not None
+
+
+def _header(rows: list[Row]) -> tuple[Columns, int] | None:
+    """The columns and the index of the row after their names; None if it is no such table."""
     for k, row in enumerate(rows[:HEADER_WITHIN]):
         if columns := columns_of(row):
             return columns, k + 1
@@ -76,7 +81,7 @@ def _header(rows: list[Row]) -> tuple[Columns, int]:
     cells = rows[first].cells if rows else ()
     if len(cells) == 3 and all(_is_number(cell) for cell in cells[1:]):
         return Columns(("time", "speed", "direction"), 0, speed=1, direction=2), first
-    raise MeasurementError(NO_HEADER)
+    return None
 
 
 def _is_number(cell: str) -> bool:

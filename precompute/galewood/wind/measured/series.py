@@ -1,7 +1,4 @@
-"""Samples at equal intervals: in order, without duplicates, gaps bridged.
-
-Twin: web/player/src/core/wind/measured/series.ts.
-"""
+"""Samples at equal intervals: in order, without duplicates, gaps bridged."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ from galewood.wind.measured.errors import MeasurementError
 from galewood.wind.measured.samples import Samples
 
 FASTEST_RATE_HZ = 10.0
-"""Faster series are averaged: trees do not answer faster."""
+"""Faster series are averaged: trees do not respond to faster gusts."""
 FEWEST = 10
 """Samples that are needed."""
 GAP = 1.5

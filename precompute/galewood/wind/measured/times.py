@@ -1,7 +1,4 @@
-"""Times as loggers write them, in seconds from an arbitrary origin.
-
-Twin: web/player/src/core/wind/measured/times.ts.
-"""
+"""Times as loggers write them, in seconds from an arbitrary origin."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 /** Where the stems of an inventory stand, and which tree each of them is. Pure. */
 import type { Place } from "../core/forest/forest";
-import type { Inventory, Stem } from "../core/inventory/reading";
 import { hashUnit } from "../core/math/random";
+import type { Inventory, Stem } from "./document";
 
 /** Limits of the size of a tree relative to its model. */
 export const SCALES = { least: 0.15, most: 4 } as const;

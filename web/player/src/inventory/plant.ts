@@ -1,7 +1,7 @@
 /** Plants an inventory in a forest of galewood/three. */
-import type { Inventory } from "../core/inventory/reading";
 import type { Forest, TreeFiles } from "../three/forest";
 import type { Planted } from "../three/planted";
+import type { Inventory } from "./document";
 import { placesOf } from "./places";
 
 /** Height of the ground (m) at a place in the frame of the forest. */

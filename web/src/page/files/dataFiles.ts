@@ -1,17 +1,18 @@
-/** Dropped files that are no trees: measurements of the wind, winds, and inventories. */
-import { parseWindText, WindError } from "galewood/wind";
-
-/** What a text file holds. */
-export type Kind = "inventory" | "measurement" | "wind";
+/** Files that are no trees, dropped or chosen: winds, measurements of the wind, and inventories. */
+import type { Inventory } from "galewood/inventory";
+import type { WindDocument } from "galewood/wind";
+import { Problem } from "../server/api";
+import { showToast } from "../ui/toast";
 
 export interface DataFileEvents {
-  inventory(file: File): void;
-  measurement(file: File): void;
-  wind(file: File): void;
+  /** `name`: that of the file. */
+  inventory(inventory: Inventory, name: string): void;
+  wind(wind: WindDocument): void;
 }
 
-const TEXT_PATTERN = /\.(csv|tsv|txt|dat|json|geojson)$/i;
-const SNIFFED_BYTES = 65_536;
+/** From then on a reading is mentioned. */
+const SLOW_MS = 2000;
+const TEXT = /\.(csv|tsv|txt|dat|json|geojson)$/i;
 
 export class DataFiles {
   private open: (events: DataFileEvents) => void = () => {};
@@ -27,28 +28,43 @@ export class DataFiles {
 
   /** Passes a file on if it is no tree; returns whether it did. */
   async take(file: File): Promise<boolean> {
-    if (!TEXT_PATTERN.test(file.name)) return false;
-    const kind = await kindOf(file);
-    if (kind === null) return false;
-    (await this.ready)[kind](file);
-    return true;
+    if (!TEXT.test(file.name)) return false;
+    const slow = setTimeout(
+      () => showToast(`Reading ${file.name}`, "A large file takes a while.", "good"),
+      SLOW_MS,
+    );
+    try {
+      return await this.pass(file);
+    } catch (error) {
+      if (!(error instanceof Problem)) throw error;
+      showToast(error.title, error.hint);
+      return true;
+    } finally {
+      clearTimeout(slow);
+    }
   }
-}
 
-/** What a file holds, by its first lines; null if it may be a tree. */
-async function kindOf(file: File): Promise<Kind | null> {
-  const { isInventory, isMeasurement, textOf } = await import("./reading");
-  const text = textOf(await file.slice(0, SNIFFED_BYTES).arrayBuffer());
-  if (/^\s*\{/.test(text)) return isWind(file.size > SNIFFED_BYTES ? "" : text) ? "wind" : "inventory";
-  if (isInventory(text)) return "inventory";
-  return isMeasurement(text) ? "measurement" : null;
-}
+  /** Passes on a file that is to be a wind. */
+  async takeWind(file: File): Promise<void> {
+    if (!(await this.take(file))) {
+      showToast(
+        "The file holds no wind.",
+        "Expected a wind document (JSON), or the record of an anemometer with columns of time, speed and direction.",
+      );
+    }
+  }
 
-function isWind(text: string): boolean {
-  try {
-    parseWindText(text);
+  private async pass(file: File): Promise<boolean> {
+    const { contentOf } = await import("./content");
+    const content = await contentOf(file);
+    if (content === null) return false;
+    const events = await this.ready;
+    if (content.kind === "inventory") events.inventory(content.inventory, file.name);
+    else if (content.kind === "wind") events.wind(content.wind);
+    else {
+      const { playMeasuredWind } = await import("./measuredWind");
+      playMeasuredWind(file, content.found, events.wind);
+    }
     return true;
-  } catch (error) {
-    return error instanceof WindError && /^\s*\{[^[]*"model"/.test(text);
   }
 }

@@ -1,4 +1,5 @@
 /** Card of a forest from an inventory: its size, the report, and back to the usual forest. */
+import { extentOf } from "../../scene/stand";
 import type { NamedInventory } from "../inventory/inventoryForest";
 import { element, make } from "./dom";
 
@@ -33,9 +34,9 @@ export class InventoryCard {
   show(inventory: NamedInventory | null): void {
     this.root.hidden = inventory === null;
     if (!inventory) return;
-    const { name, report } = inventory;
-    const size = `${report.width_m.toFixed(0)} × ${report.depth_m.toFixed(0)} m`;
-    this.words.textContent = `${name}: ${report.stems} trees on ${size}`;
+    const { name, stems } = inventory;
+    const { width_m, depth_m } = extentOf(stems);
+    this.words.textContent = `${name}: ${stems.length} trees on ${width_m.toFixed(0)} × ${depth_m.toFixed(0)} m`;
   }
 
   dispose(): void {

@@ -1,0 +1,48 @@
+"""Recognises a text file of measurements by the names of its columns, and reads it."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from galewood.inventory import Inventory, is_inventory, read_inventory
+from galewood.util import Row, decoded, rows_of
+
+if TYPE_CHECKING:
+    from galewood.wind import Measurement
+
+HEADER_WITHIN = 100
+"""Rows among which the names of the columns are looked for."""
+
+
+class UnknownContentError(ValueError):
+    """A file of another kind; it may be a tree."""
+
+
+def read_data_file(data: bytes, *, start_s: float = 0.0) -> Inventory | Measurement:
+    """Read the stems of an inventory (CSV, GeoJSON) or the record of an anemometer (CSV).
+
+    ``start_s``: where the used part of a record begins, from its first sample. Raises UnknownContentError for
+    any other file, InventoryError or MeasurementError for one that is faulty.
+    """
+    from galewood.wind import is_measurement, read_measurement  # loads numba
+
+    text = decoded(data)
+    if text.lstrip().startswith("{"):
+        return read_inventory(data)
+    rows = _first_rows(text)
+    if is_inventory(rows):
+        return read_inventory(data)
+    if is_measurement(rows):
+        return read_measurement(data, start_s=start_s)
+    raise UnknownContentError(
+        "no column names of an inventory ('x' and 'y' or 'lon' and 'lat', 'height' or 'dbh') or of an "
+        "anemometer ('time', and 'speed' with 'direction' or 'u' and 'v') were found"
+    )
+
+
+def _first_rows(text: str) -> list[Row]:
+    try:
+        return list(islice(rows_of(text), HEADER_WITHIN))
+    except ValueError:  # cells that no table has
+        return []

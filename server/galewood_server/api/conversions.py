@@ -1,0 +1,110 @@
+"""Inventories of stems and records of anemometers as JSON that the page plays (`galewood convert`)."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import FileResponse
+from galewood.inventory import InventoryReport, Stem
+from galewood.util import write_whole
+from galewood.wind import MeasurementReport
+from pydantic import BaseModel
+
+from galewood_server.context import Service, ServiceDep
+from galewood_server.http import ProblemError, problems, read_body
+
+router = APIRouter(prefix="/api", tags=["conversions"])
+LARGEST_BYTES = 16 * 1024**2
+"""Of a file that anyone may send; `galewood convert` takes larger ones."""
+LONGEST_RECORD_S = 1e9
+FILE: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
+
+
+class InventoryOut(BaseModel):
+    """The stems of an inventory (docs/formats/inventory.md), and what was understood of its file."""
+
+    version: Literal[1]
+    stems: list[Stem]
+    report: InventoryReport
+
+
+class MeasuredWindOut(BaseModel):
+    """The wind document of a measurement (docs/formats/wind.md), and what was understood of its file."""
+
+    wind: dict[str, Any]
+    report: MeasurementReport
+
+
+@router.post(
+    "/convert",
+    response_model=InventoryOut | MeasuredWindOut,
+    openapi_extra=FILE,
+    responses=problems(413, 415, 422, 503),
+)
+async def convert(
+    request: Request,
+    service: ServiceDep,
+    start_s: Annotated[
+        float,
+        Query(ge=0, le=LONGEST_RECORD_S, description="Of a record: where the used part begins, s."),
+    ] = 0.0,
+) -> Response:
+    """Convert an inventory of stems (CSV, GeoJSON) or the record of an anemometer (CSV). Needs no key, and
+    nothing is stored. 415 `unknown-content`: the file is neither; 422 names the line of an error."""
+    title = f"The file is larger than {LARGEST_BYTES // 1024**2} MB."
+    hint = "Split the file, or convert it with `galewood convert`."
+    too_large = ProblemError(413, "file-too-large", title, hint=hint)
+    async with service.conversions.admitted(request) as turns:
+        data = await read_body(request, LARGEST_BYTES, too_large)
+        async with turns:
+            document = await asyncio.to_thread(_convert, data, start_s)
+    return Response(document, media_type="application/json")
+
+
+@router.get("/inventory", response_model=InventoryOut, responses=problems(404, 415, 422, 503))
+async def get_inventory(request: Request, service: ServiceDep) -> Response:
+    """Return the inventory that this service was started with (`galewood forest FILE`), which the page plants
+    with `?inventory=api/inventory`."""
+    path = service.settings.inventory
+    if path is None or not path.is_file():
+        raise ProblemError(
+            404,
+            "no-inventory",
+            "This service has no inventory",
+            hint="Start it with `galewood forest FILE`, or set GALEWOOD_INVENTORY.",
+        )
+    data, target = await asyncio.to_thread(_read, service, path)
+    await service.inventories.have(target, request, partial(_write_converted, data, target))
+    return FileResponse(
+        target,
+        media_type="application/json",
+        headers={"Cache-Control": "no-cache"},
+        filename=path.name,
+        content_disposition_type="inline",
+    )
+
+
+def _read(service: Service, path: Path) -> tuple[bytes, Path]:
+    """The operator's file, and where its conversion is kept."""
+    data = path.read_bytes()
+    return data, service.settings.cache_dir / "inventories" / f"{hashlib.sha256(data).hexdigest()}.json"
+
+
+def _write_converted(data: bytes, target: Path) -> None:
+    write_whole(target, _convert(data))
+
+
+def _convert(data: bytes, start_s: float = 0.0) -> bytes:
+    from galewood.conversion import convert_limited
+
+    return convert_limited(data, start_s)
