@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from galewood.mesh import TreeMesh
 from galewood.mesh.importer import read_tree
-from galewood.options import ImportRequest
 from galewood.model import crown_mass
 from galewood.model.crown_mass import branch_mass_kg, twig_loads, twig_mass_per_area
+from galewood.options import ImportRequest
 from galewood.skeleton import outline_of
 from galewood.util import Floats
 
@@ -45,8 +45,8 @@ def comb(bearing: int = 8) -> Any:
     )
 
 
-def read(bare: bool = False, bearing: int = 8) -> TreeMesh:
-    return read_tree(make.archi(comb(bearing)), "a.csv", ImportRequest(bare=bare))
+def read(add_leaves: bool = True, bearing: int = 8) -> TreeMesh:
+    return read_tree(make.archi(comb(bearing)), "a.csv", ImportRequest(add_leaves=add_leaves))
 
 
 def as_a_mesh(tree: TreeMesh) -> TreeMesh:
@@ -109,11 +109,11 @@ def test_drawn_twigs_count_and_light_trees_get_few() -> None:
 
 
 def test_twigs_hang_where_leaves_do_or_along_the_limbs() -> None:
-    leafy, bare = loads(read()), loads(read(bare=True))
+    leafy, bare = loads(read()), loads(read(add_leaves=False))
     assert bare.mass_kg.sum() == pytest.approx(leafy.mass_kg.sum())
     assert leafy.mass_kg[1] > leafy.mass_kg[0] > 0
     places: list[tuple[Floats, Floats]] = []
-    tree = read(bare=True)
+    tree = read(add_leaves=False)
     twig_loads(tree, partial(collected, places), PLENTY_KG)
     position, amount = places[0]
     on_trunk = np.hypot(position[:, 0], position[:, 2]) < 0.11
@@ -121,7 +121,7 @@ def test_twigs_hang_where_leaves_do_or_along_the_limbs() -> None:
 
 
 def test_a_pole_has_no_twigs() -> None:
-    for tree in (read(bare=True, bearing=2), as_a_mesh(read(bearing=2))):
+    for tree in (read(add_leaves=False, bearing=2), as_a_mesh(read(bearing=2))):
         found = loads(tree)
         assert found.report == {"added_twig_mass_kg": 0.0}
         assert not found.mass_kg.any()
@@ -138,6 +138,6 @@ def test_wood_whose_branches_cannot_be_followed_gets_no_twigs(monkeypatch: pytes
 
 
 def test_the_outline_of_a_comb_has_its_limbs() -> None:
-    tree = read(bare=True)
+    tree = read(add_leaves=False)
     outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
     assert int(outline.branch.max()) == 8

@@ -14,7 +14,7 @@ from galewood.util import MeshError
 
 from tests.precompute import cylinder_models as make
 
-BARE = ImportRequest(bare=True)
+LEAFLESS = ImportRequest(add_leaves=False)
 
 
 def cylinders_of(name: str, data: bytes) -> Cylinders:
@@ -35,7 +35,7 @@ def test_every_format_gives_the_same_cylinders(name: str) -> None:
 @pytest.mark.parametrize("name", make.WRITERS)
 def test_the_report_has_exact_volume_and_diameter(name: str) -> None:
     model = make.y_model()
-    tree = read_tree(make.WRITERS[name](model), name, BARE)
+    tree = read_tree(make.WRITERS[name](model), name, LEAFLESS)
     exact = float((np.pi * model.radius_m**2 * model.length_m).sum())
     qsm = tree.report["qsm"]
     assert qsm["wood_volume_m3"] == pytest.approx(exact, rel=1e-6)
@@ -61,7 +61,7 @@ def test_the_branch_column_outweighs_the_extension() -> None:
 def test_a_few_loose_cylinders_are_dropped_and_reported() -> None:
     model = make.y_model()
     twig = make.chain(np.array([[2.0, 0, 3.0], [2.1, 0, 3.1]]), [0.005])
-    tree = read_tree(make.archi(make.beside(model, twig)), "a.csv", BARE)
+    tree = read_tree(make.archi(make.beside(model, twig)), "a.csv", LEAFLESS)
     assert tree.report["qsm"]["dropped"]["loose_cylinders"] == 1
     assert any("no connection" in warning for warning in tree.report["warnings"])
 

@@ -11,18 +11,18 @@ from galewood.mesh.qsm.branches import branch_lines, chained
 from galewood.mesh.qsm.reading import MOST_BRANCHES, SPACINGS
 from galewood.mesh.repair import Surface, face_components, signed_volumes
 from galewood.mesh.types import TreeMesh
-from galewood.options import ImportRequest
 from galewood.model import beam_model
+from galewood.options import ImportRequest
 from galewood.verify.beams import pole_frequencies
 from galewood.wood import wood_of_species
 
 from tests.precompute import cylinder_models as make
 
-BARE = ImportRequest(bare=True)
+LEAFLESS = ImportRequest(add_leaves=False)
 SEEDS = (1, 2, 3)
 
 
-def read(model, options=BARE) -> TreeMesh:
+def read(model, options=LEAFLESS) -> TreeMesh:
     return read_tree(make.archi(model), "a.csv", options)
 
 
@@ -96,7 +96,7 @@ def test_a_branch_begins_inside_the_limb_that_bears_it() -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_random_tree_is_made_of_closed_pieces(seed: int) -> None:
     print(f"seed {seed}")
-    tree = read(make.random_model(seed), ImportRequest(bare=True, min_radius_mm=0))
+    tree = read(make.random_model(seed), ImportRequest(add_leaves=False, min_radius_mm=0))
     faces = tree.wood_faces
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     _, shared = np.unique(edges, axis=0, return_counts=True)
@@ -116,19 +116,19 @@ def test_a_tree_far_from_the_origin_is_the_same() -> None:
 
 
 def test_radii_are_scaled_to_the_diameter_at_breast_height() -> None:
-    plain, wide = read(make.y_model()), read(make.y_model(), ImportRequest(bare=True, dbh_cm=36.0))
+    plain, wide = read(make.y_model()), read(make.y_model(), ImportRequest(add_leaves=False, dbh_cm=36.0))
     assert wide.report["qsm"]["dbh_cm"] == pytest.approx(36.0)
     assert wide.report["qsm"]["wood_volume_m3"] == pytest.approx(4 * plain.report["qsm"]["wood_volume_m3"])
     assert wide.report["qsm"]["height_m"] == pytest.approx(4.0)
 
 
 def test_a_given_height_scales_the_whole_tree() -> None:
-    qsm = read(make.y_model(), ImportRequest(bare=True, height_m=8.0)).report["qsm"]
+    qsm = read(make.y_model(), ImportRequest(add_leaves=False, height_m=8.0)).report["qsm"]
     assert (qsm["height_m"], qsm["dbh_cm"]) == (pytest.approx(8.0), pytest.approx(40.0))
 
 
 def test_thin_branches_are_dropped() -> None:
-    tree = read(make.y_model(), ImportRequest(bare=True, min_radius_mm=60))
+    tree = read(make.y_model(), ImportRequest(add_leaves=False, min_radius_mm=60))
     assert tree.report["qsm"]["dropped"]["thin_branches"] == 1
     assert tree.report["repairs"]["pieces"] == 1
 
@@ -179,7 +179,7 @@ def test_leaves_hang_along_the_thin_part_of_a_branch_and_at_its_tip() -> None:
 
 def test_a_tree_of_very_many_branches_comes_with_a_warning() -> None:
     for count, many in ((400, False), (2500, True)):
-        tree = read(make.random_model(4, count), ImportRequest(bare=True, min_radius_mm=0))
+        tree = read(make.random_model(4, count), ImportRequest(add_leaves=False, min_radius_mm=0))
         assert (tree.report["qsm"]["branches"] > 300) == many
         assert any("so many branches" in warning for warning in tree.report["warnings"]) == many
 
@@ -193,9 +193,9 @@ def test_a_scan_keeps_as_many_branches_as_can_be_simulated(seed: int) -> None:
     kept = chosen["branches"] - chosen["dropped"]["thin_branches"]
     assert 0.5 * MOST_BRANCHES < kept <= MOST_BRANCHES
     assert chosen["min_radius_mm"] > 10
-    given = ImportRequest(bare=True, min_radius_mm=chosen["min_radius_mm"])
+    given = ImportRequest(add_leaves=False, min_radius_mm=chosen["min_radius_mm"])
     assert read(model, given).report["qsm"]["dropped"] == chosen["dropped"]
-    finer = read(model, ImportRequest(bare=True, min_radius_mm=5)).report["qsm"]
+    finer = read(model, ImportRequest(add_leaves=False, min_radius_mm=5)).report["qsm"]
     assert finer["min_radius_mm"] == 5
     assert finer["branches"] - finer["dropped"]["thin_branches"] > kept
     assert read(make.y_model()).report["qsm"]["min_radius_mm"] == 10

@@ -55,6 +55,6 @@ def test_invalid_settings_are_rejected(settings: dict[str, Any]) -> None:
 
 
 def test_options_of_scanned_trees_reach_the_import() -> None:
-    found = options_of({"dbh_cm": 31.5, "min_radius_mm": 0, "bare": True})
-    assert (found.dbh_cm, found.min_radius_mm, found.bare) == (31.5, 0.0, True)
-    assert not options_of({}).bare
+    found = options_of({"dbh_cm": 31.5, "min_radius_mm": 0, "add_leaves": False})
+    assert (found.dbh_cm, found.min_radius_mm, found.add_leaves) == (31.5, 0.0, False)
+    assert options_of({}).add_leaves is None

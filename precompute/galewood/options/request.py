@@ -77,9 +77,9 @@ class ImportRequest(BaseModel):
         le=500,
         description="Scanned tree: drop branches thinner than this, mm; default: 10, or what leaves 200.",
     )
-    bare: bool | None = Field(
+    add_leaves: bool | None = Field(
         default=None,
-        description="Scanned tree: add no leaves to the mesh; default: leaves at the ends of branches.",
+        description="Scanned tree: add leaves at the ends of branches to the mesh; default: they are added.",
     )
     complete: bool | None = Field(
         default=None,

@@ -75,7 +75,7 @@ def read_qsm(data: bytes, file_format: QsmFormat, options: ImportRequest) -> Sca
     least_mm, kept = _thick_enough(tree, branches, options.min_radius_mm)
     lines = _lines(tree, [branches[number] for number in kept], kept)
     parts = [_wood(lines)]
-    if not options.bare:
+    if options.add_leaves is not False:
         parts.append(_leaves(tree, branches, kept, lines, dbh_m))
     report = {
         "cylinders": len(tree.radius_m),
@@ -220,6 +220,6 @@ def _warnings(report: dict[str, Any], models: int, options: ImportRequest) -> li
             "With so many branches, thin ones are simulated thicker and heavier than they are, and the tree "
             "sways too slowly. Without --min-radius-mm, only as many are kept as can be simulated."
         )
-    if not options.bare:
+    if options.add_leaves is not False:
         found.append("A scan has no leaves: they were added, with an assumed area.")
     return found

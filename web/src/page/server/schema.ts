@@ -24,8 +24,8 @@ export interface Schemas {
     dbh_cm?: number | null;
     /** Scanned tree: drop branches thinner than this, mm; default: 10, or what leaves 200. */
     min_radius_mm?: number | null;
-    /** Scanned tree: add no leaves to the mesh; default: leaves at the ends of branches. */
-    bare?: boolean | null;
+    /** Scanned tree: add leaves at the ends of branches to the mesh; default: they are added. */
+    add_leaves?: boolean | null;
     /**
      * Whether wood is added where foliage has none: a trunk inside a closed crown, ribs of fronds, stems of a
      * bush. It bends, but is not drawn. Default: where the foliage needs it.
@@ -331,8 +331,8 @@ export interface Schemas {
     dbh_cm?: number | null;
     /** Scanned tree: drop branches thinner than this, mm; default: 10, or what leaves 200. */
     min_radius_mm?: number | null;
-    /** Scanned tree: add no leaves to the mesh; default: leaves at the ends of branches. */
-    bare?: boolean | null;
+    /** Scanned tree: add leaves at the ends of branches to the mesh; default: they are added. */
+    add_leaves?: boolean | null;
     /**
      * Whether wood is added where foliage has none: a trunk inside a closed crown, ribs of fronds, stems of a
      * bush. It bends, but is not drawn. Default: where the foliage needs it.
