@@ -19,7 +19,7 @@ from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, problems, read_body
 
 router = APIRouter(prefix="/api", tags=["conversions"])
-LARGEST_BYTES = 16 * 1024**2
+LARGEST_BYTES = 32 * 1024**2
 """Of a file that anyone may send; `galewood convert` takes larger ones."""
 LONGEST_RECORD_S = 1e9
 FILE: dict[str, Any] = {

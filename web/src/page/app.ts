@@ -58,7 +58,7 @@ export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
   const picker = new TreePicker(store, world);
   const puller = new Puller(store, world, picker);
   const gusts = new Gusts(world, picker);
-  const studio = new WindStudio(store, world, picker);
+  const studio = new WindStudio(store, world, picker, files);
   const comparison = new Comparison(store, world, catalogue, picker);
   const overlays = new TreeOverlays(world, catalogue, picker, comparison.errors);
   const physics = new PhysicsCards(catalogue);
@@ -67,9 +67,10 @@ export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
   const sound = new WindSound(store, world);
   const capture = new Capture(store, world);
   files.connect({
-    inventory: (file) => void inventory.open(file),
-    measurement: (file) => void studio.instruments.loadMeasurement(file),
-    wind: (file) => void studio.instruments.loadWind(file),
+    inventory: (found, name) => inventory.open(found, name),
+    wind: (wind) => {
+      store.settings.wind = wind;
+    },
   });
 
   // Cards, panel and toolbar.

@@ -1,9 +1,10 @@
 /** Plants the forest: places the trees of the catalogue and sends them to the worker, again whenever that changes. */
 
+import type { Stem } from "galewood/inventory";
 import { clearingPlace } from "../scene/clearing";
 import { type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../scene/forest";
 import { woodReach_m } from "../scene/placement";
-import { placeStand, type Stand } from "../scene/stand";
+import { placeStand } from "../scene/stand";
 import type { World } from "./forest/world";
 import type { ClientGroup } from "./forestClient";
 import type { PaperMethod } from "./paper/paperMethod";
@@ -29,7 +30,7 @@ export function plantForest(
   const uploads = Object.keys(settings.planted);
   const single = Object.fromEntries(uploads.map((id, k) => [id, clearingPlace(k)]));
   if (stand) {
-    const places = placeStand(assets, stand, { form: settings.form, named: stand.named });
+    const places = placeStand(assets, stand.stems, { form: settings.form, named: stand.named });
     return placedSpecies(assets, (asset) => places.get(asset) ?? [], single, settings.season);
   }
   return placeForest(assets, settings.trees, settings.forestSeed, {
@@ -40,7 +41,8 @@ export function plantForest(
 }
 
 /** The stems of an inventory, and the uploads that have the names of species in it. */
-export interface PlantedStand extends Stand {
+export interface PlantedStand {
+  readonly stems: readonly Stem[];
   named(species: string): string | null;
 }
 
@@ -86,7 +88,7 @@ export class Planting {
     if (share !== null && !this.catalogue.isLoaded) return;
     if (inventory === "loading") return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
-    const stand = inventory && { stems: inventory.stems, perHa: inventory.report.per_ha, named };
+    const stand = inventory && { stems: inventory.stems, named };
     const placed = plantForest(this.catalogue.assets, settings, stand);
     const { lookup, method, poseEasing } = settings;
     this.world.client.plan(

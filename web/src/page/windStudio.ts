@@ -4,6 +4,7 @@ import { nearestTree } from "galewood/motion";
 import { Vector3 } from "three";
 import { Mast } from "../scene/overlays/mast";
 import { WindOverlay } from "../scene/overlays/windOverlay";
+import type { DataFiles } from "./files/dataFiles";
 import type { World } from "./forest/world";
 import type { Frame } from "./frameLoop";
 import type { Store } from "./store/store";
@@ -28,6 +29,7 @@ export class WindStudio {
     private readonly store: Store,
     private readonly world: World,
     private readonly picker: TreePicker,
+    files: Pick<DataFiles, "takeWind">,
   ) {
     const { stage, canvas } = world;
     this.instruments = new Instruments(store.settings, {
@@ -36,6 +38,7 @@ export class WindStudio {
       },
       placing: (active) => this.setPlacing(active),
       anemometerRemoved: () => this.mast.hide(),
+      file: (file) => void files.takeWind(file),
     });
     stage.scene.add(this.overlay.mesh, this.mast.group);
     canvas.addEventListener("pointerdown", (event) => {

@@ -1,6 +1,7 @@
 /** The inventory of the page: where it comes from, and its card. */
 
-import { standView } from "../../scene/stand";
+import type { Inventory } from "galewood/inventory";
+import { extentOf, standView } from "../../scene/stand";
 import type { World } from "../forest/world";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
@@ -50,7 +51,7 @@ export class InventoryPlanting {
   }
 
   /** Plants the stems of a file; in a shared forest the others could not see them. */
-  async open(file: File): Promise<void> {
+  open(inventory: Inventory, name: string): void {
     const { settings, state } = this.store;
     if (state.share !== null) {
       showToast("A shared forest cannot be planted from a file.", NOT_SHARED);
@@ -59,7 +60,7 @@ export class InventoryPlanting {
     this.fromFile = true;
     state.inventory = "loading";
     settings.inventory = "";
-    await this.forest.open(file);
+    this.forest.open(inventory, name);
   }
 
   private remove(): void {
@@ -78,7 +79,7 @@ export class InventoryPlanting {
   private showStand(): void {
     const { current } = this.forest;
     if (!current) return;
-    const { eye, target } = standView(current.report, this.world.stage.camera.aspect);
+    const { eye, target } = standView(extentOf(current.stems), this.world.stage.camera.aspect);
     this.world.look(eye, target);
   }
 }

@@ -1,15 +1,14 @@
 /** The wind instruments: rose, description, presets, gust sliders, overlay, anemometer, files. */
 
 import { effect } from "@preact/signals-core";
-import { PRESETS, type PresetName, type WindDocument, type WindError, withMean } from "galewood/wind";
+import { PRESETS, type PresetName, type WindDocument, withMean } from "galewood/wind";
 import { element, make } from "../dom";
-import { showToast } from "../toast";
 import { Anemometer } from "./anemometer";
 import { windInWords } from "./beaufort";
 import { WindControls } from "./controls";
 import { WindRose } from "./rose";
 import { presetAt, presetOf } from "./windEditing";
-import { MeasurementInput, saveWind, WindFileInput } from "./windFiles";
+import { saveWind, windFileInput } from "./windFiles";
 
 const PRESET_NAMES: Record<PresetName, string> = {
   still: "Still",
@@ -28,6 +27,8 @@ export interface InstrumentEvents {
   /** Whether the next click on the ground places the anemometer. */
   placing(active: boolean): void;
   anemometerRemoved(): void;
+  /** The visitor has chosen a file with a wind. */
+  file(file: File): void;
 }
 
 export class Instruments {
@@ -39,18 +40,6 @@ export class Instruments {
   private readonly coverage = make("p", "", "wind-coverage");
   private readonly controls: WindControls;
   private readonly presets: { name: PresetName; button: HTMLButtonElement }[];
-  private readonly files = new WindFileInput(
-    (wind) => {
-      this.wind = wind;
-    },
-    (why) => this.refuse(why),
-  );
-  private readonly measurements = new MeasurementInput({
-    wind: (wind) => {
-      this.wind = wind;
-    },
-    problem: showToast,
-  });
   private readonly overlayButton = toggle(
     "Show on ground",
     "Shows the wind as arrows on the ground: warm colours in gusts, blue in lulls",
@@ -98,32 +87,18 @@ export class Instruments {
     const details = make("details");
     const save = make("button", "Download wind");
     const load = make("button", "Load wind…");
-    const measured = make("button", "Load a measurement (CSV)…");
-    measured.title = "Plays the record of an anemometer: columns with time, speed and direction";
-    save.type = load.type = measured.type = "button";
-    measured.addEventListener("click", () => this.measurements.choose());
+    load.title = "A wind document (JSON), or the record of an anemometer (CSV)";
+    save.type = load.type = "button";
+    const input = windFileInput((file) => this.events.file(file));
     save.addEventListener("click", () => saveWind(this.wind));
-    load.addEventListener("click", () => this.files.choose());
+    load.addEventListener("click", () => input.click());
     details.append(
       make("summary", "Gust settings"),
       this.controls.element,
       this.coverage,
-      group("wind-files", save, load, this.files.element),
-      group("wind-files", measured, this.measurements.element),
+      group("wind-files", save, load, input),
     );
     return details;
-  }
-
-  loadMeasurement(file: File): Promise<void> {
-    return this.measurements.take(file);
-  }
-
-  loadWind(file: File): Promise<void> {
-    return this.files.take(file);
-  }
-
-  private refuse(why: WindError): void {
-    showToast("The wind file is invalid.", why.message);
   }
 
   private showWind(): void {
