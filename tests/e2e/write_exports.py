@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from galewood.export import ExportOptions, write_export
 from galewood.export.looped import looped
-from galewood.table import decode, drawn_positions
+from galewood.skinning import drawn_positions
+from galewood.table import decode
 from galewood.wind import Wind
 
 from tests.precompute.gltf_reading import Glb

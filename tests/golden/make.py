@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 from galewood.fem.model import FemSettings
-from galewood.model import Axis, Feet
-from galewood.pipeline.assemble import RenderMesh, Surroundings, TableSettings, assemble_table
+from galewood.pipeline.assemble import RenderMesh, TableContext, TableSettings, assemble_table
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size
 from galewood.sampling import training_shapes
 from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
+from galewood.skinning import Axis, Bindings
 from galewood.table.format import Table, encode
 from galewood.table.records import encode_records
 from galewood.wind.evaluation import Wind, wind_pressure
@@ -71,7 +71,7 @@ def beam_mesh(beam: Beam) -> RenderMesh:
     wood = (beam.rest_m[:, None, :] + sides).reshape(-1, 3)
     leaf = beam.rest_m[-1] + np.array([[0.0, 0.1, 0.0], [0.2, 0.1, 0.0], [0.0, 0.3, 0.1]])
     owner = np.concatenate([np.repeat(np.arange(beam.n), 2), np.full(3, beam.n - 1)])
-    binding = scipy.sparse.csr_matrix(
+    embedding = scipy.sparse.csr_matrix(
         (np.ones(len(owner)), (np.arange(len(owner)), owner)), shape=(len(owner), beam.n)
     )
     primitives = [
@@ -80,8 +80,8 @@ def beam_mesh(beam: Beam) -> RenderMesh:
     ]
     child = np.maximum(owner, 1)
     place = beam.rest_m[owner]
-    feet = Feet(child, (owner > 0).astype(np.float64), place, np.zeros(len(owner)))
-    return RenderMesh(np.concatenate([wood, leaf]), binding, primitives, beam_axis(beam), feet)
+    bindings = Bindings(child, (owner > 0).astype(np.float64), place, np.zeros(len(owner)))
+    return RenderMesh(np.concatenate([wood, leaf]), embedding, primitives, beam_axis(beam), bindings)
 
 
 def beam_axis(beam: Beam) -> Axis:
@@ -115,7 +115,7 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
     winds = [shape.at(12.0) for shape in training_shapes(beam.first_hz, beam.dt_s)]
     training = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
     training = ModalTraining(beam.oscillators(), scheme(beam), training, sizes=[Size(5, 3, 5)])
-    of = Surroundings(beam.mass_kg, beam_mesh(beam), description, settings)
+    of = TableContext(beam.mass_kg, beam_mesh(beam), description, settings)
     return assemble_table(runs, beam_winds(beam, frames), training, of)
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from galewood.table import decode, drawn_positions
+from galewood.skinning import drawn_positions
+from galewood.table import decode
 
 HERE = Path(__file__).parent
 

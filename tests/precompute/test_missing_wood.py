@@ -17,14 +17,12 @@ from galewood.mesh.sandboxed import pack_tree, unpack_tree
 from galewood.mesh.sections import edge_samples, sections_at
 from galewood.mesh.types import RawPart, TreeMesh
 from galewood.model import beam_model, in_added_wood
-from galewood.model.axis import axis_of_frame
 from galewood.model.beam_tree import frame_of
 from galewood.model.foliage import LEAF_MASS_KG_M2
-from galewood.model.holds import holds_of
 from galewood.options import ImportRequest
 from galewood.pictures.thumbnail import draw
-from galewood.pipeline.drawn_figures import DrawnFigures
 from galewood.skeleton import outline_of
+from galewood.skinning import Distortion, axis_of_frame, vertex_bindings
 from galewood.util import Floats, MeshError
 from galewood.wood import wood_of_species
 from PIL import Image
@@ -159,15 +157,15 @@ def test_the_crown_moves_as_a_beam_does(lollipop: TreeMesh):
     first_hz, height, shape = cantilever(lollipop, lines)
     model = beam_model(lollipop, wood_of_species("default"))
     assert model.frequencies_hz[0] == pytest.approx(first_hz, rel=0.06)
-    feet = holds_of(lollipop, model.axis)
+    bindings = vertex_bindings(lollipop, model.axis)
     mode = np.moveaxis(model.shapes[:1], 0, -1)
     moved, turned = model.axis.displacement(mode)[..., 0], model.axis.rotation(mode)[..., 0]
     places = np.concatenate([p.positions_m for p in lollipop.primitives])
-    up = model.axis.parent[feet.child]
-    share = feet.share[:, None]
-    here = (1 - share) * moved[up] + share * moved[feet.child]
-    spin = (1 - share) * turned[up] + share * turned[feet.child]
-    drawn = here + np.cross(spin, places - feet.at_m)
+    up = model.axis.parent[bindings.child]
+    share = bindings.share[:, None]
+    here = (1 - share) * moved[up] + share * moved[bindings.child]
+    spin = (1 - share) * turned[up] + share * turned[bindings.child]
+    drawn = here + np.cross(spin, places - bindings.at_m)
     way = moved[int(np.abs(moved[:, [0, 2]]).sum(axis=1).argmax())] * (1, 0, 1)
     way /= np.linalg.norm(way)
     crown = places[:, 1] > STUB_M
@@ -199,10 +197,10 @@ def test_every_frond_of_a_palm_gets_a_rib_and_bends_along_it(thick: float):
     added = tree.report["added_wood"]
     assert (added["fronds"], added["branches"], added["stems_m"]) == (FRONDS, 0, [])
     frame = frame_of(outline_of(tree.wood_vertices_m, tree.wood_faces))
-    feet = holds_of(tree, axis_of_frame(frame, 0.1))
-    leaves = np.arange(len(feet.child)) >= len(tree.primitives[0].positions_m)
+    bindings = vertex_bindings(tree, axis_of_frame(frame, 0.1))
+    leaves = np.arange(len(bindings.child)) >= len(tree.primitives[0].positions_m)
     places = np.concatenate([p.positions_m for p in tree.primitives])
-    apart = np.linalg.norm(places - feet.at_m, axis=1)[leaves]
+    apart = np.linalg.norm(places - bindings.at_m, axis=1)[leaves]
     unit = tree.height_m / np.ptp(np.concatenate([p.vertices for p in palm(thick)])[:, 1])
     assert np.percentile(apart, 95) < 0.3 * FROND_M * unit, (
         "fronds are held along their ribs, not at the trunk"
@@ -231,7 +229,7 @@ def test_a_bush_of_leaves_alone_gets_stems_from_the_ground():
     assert 0.1 < model.frequencies_hz[0] < 10
     assert model.wind_profile.min() >= LEAST_PROFILE
     rest = np.concatenate([p.positions_m for p in tree.primitives])
-    assert "wood_stretch" not in DrawnFigures(tree).between(rest, rest)
+    assert "wood_stretch" not in Distortion(tree).between(rest, rest)
 
 
 def test_a_fern_of_fronds_alone_gets_their_ribs():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from galewood.beams import frame_frequencies, frame_matrices, frame_modes
 from galewood.mesh.importer import read_tree
-from galewood.options import ImportRequest
 from galewood.model.beam_tree import beam_model, frame_of
+from galewood.options import ImportRequest
 from galewood.pipeline import BuildOptions
 from galewood.pipeline.from_beams import beam_table
 from galewood.sampling import MAX_SWAY_SHARE
@@ -108,17 +108,17 @@ def test_modes_of_a_frame_are_orthonormal_in_its_mass():
     np.testing.assert_allclose(shapes @ (mass @ shapes.T), np.eye(8), atol=1e-8)
 
 
-def test_the_binding_turns_vertices_rigidly_with_their_beam():
+def test_the_embedding_turns_vertices_rigidly_with_their_beam():
     tree = read_tree(small_tree_glb(), "tree.glb", ImportRequest(species="maple"))
     model = beam_model(tree, WOOD)
-    assert np.asarray(model.binding.sum(axis=1)).ravel() == pytest.approx(1.0)
+    assert np.asarray(model.embedding.sum(axis=1)).ravel() == pytest.approx(1.0)
     # a rigid rotation of all particles about the origin rotates every vertex
     points = frame_of(outline_of(tree.wood_vertices_m, tree.wood_faces)).points_m
     arm_m = 0.02 * tree.height_m
     particles = (points[:, None] + np.concatenate([np.zeros((1, 3)), arm_m * np.eye(3)])).reshape(-1, 3)
     spin = np.array([[0, -0.2, 0.1], [0.2, 0, -0.3], [-0.1, 0.3, 0]])
     places = np.concatenate([p.positions_m for p in tree.primitives if p.kind == "wood"])
-    moved = model.binding[: len(places)] @ (particles @ spin.T)
+    moved = model.embedding[: len(places)] @ (particles @ spin.T)
     np.testing.assert_allclose(moved, places @ spin.T, atol=1e-9)
 
 

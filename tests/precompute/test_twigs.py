@@ -9,11 +9,10 @@ from galewood.mesh.importer import read_tree
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
 from galewood.mesh.types import RawPart, RenderPrimitive
-from galewood.options import ImportRequest
 from galewood.model.beam_tree import beam_model
-from galewood.model.binding import nearest_of_pieces
 from galewood.model.foliage import crown_loads
 from galewood.model.twigs import twig_volumes
+from galewood.options import ImportRequest
 from galewood.util import Floats
 from galewood.wood import wood_of_species
 
@@ -121,18 +120,12 @@ def test_the_mass_of_twigs_is_their_volume_times_density_where_they_stand():
     assert added[1] == pytest.approx(added.sum())  # both stand about 2 m above the ground
 
 
-def test_a_twig_follows_its_base_even_where_it_pierces_another_limb():
-    distance_m = np.array([3e-17, 0.1, 0.0, 0.2, 0.05, 0.04])
-    piece = np.array([0, 0, 0, 0, 1, 1])
-    assert nearest_of_pieces(distance_m, piece).tolist() == [0, 5]
-
-
 def test_a_twig_is_not_deformed_by_the_beams_it_hangs_on():
     tree = read_tree(tree_with_twigs(), "tree.glb", ImportRequest())
     model = beam_model(tree, WOOD)
     first = len(tree.primitives[0].positions_m)
     count = len(twig().vertices)
-    rows = model.binding[first : first + 2 * count].toarray()
+    rows = model.embedding[first : first + 2 * count].toarray()
     assert np.ptp(rows[:count], axis=0).max() < 1e-12
     assert np.ptp(rows[count:], axis=0).max() < 1e-12
     assert np.abs(rows[0] - rows[-1]).max() > 0.1

@@ -1,8 +1,12 @@
-"""Tetrahedral meshes of known shape that need no mesher: a bar and a Y, cut from a grid of cubes."""
+"""Tetrahedral meshes of known shape without a mesher: a bar and a Y, cut from a grid of cubes; a drawn Y."""
 
 import numpy as np
+from galewood.mesh.repair import Surface
+from galewood.mesh.types import TreeMesh
 from galewood.tets.meshing import TetMesh
 from galewood.tets.quality import largest_component
+
+from tests.precompute import tree_meshes as make
 
 # A cube as six tets around its diagonal (Kuhn); corners are numbered by the bits x, y, z.
 KUHN = np.array([[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]])
@@ -42,3 +46,15 @@ def y_mesh(cell=0.07) -> TetMesh:
         return (points[:, 1] > 0) & np.any([near_segment(points, *s) for s in Y_SEGMENTS], axis=0)
 
     return grid_mesh(holds, (-1.61, 0, -0.35), (1.89, 4.9, 0.35), cell)
+
+
+def y_tree_mesh(leaves: Surface | None = None) -> TreeMesh:
+    """A drawn tree around the Y, with leaves or without."""
+    wood = make.joined(*(make.tube(a, b, r, r) for a, b, r in Y_SEGMENTS))
+    return make.as_tree(wood, leaves)
+
+
+def leaf_cards(count=60, seed=11) -> Surface:
+    """Leaf cards at random places around the upper limbs of the Y."""
+    random = np.random.default_rng(seed)
+    return make.cards(random.uniform((-1, 3, -0.5), (1.5, 5, 0.5), (count, 3)), size=0.2)

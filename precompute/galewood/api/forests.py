@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from galewood.api.tables import MotionTable
 from galewood.player import Method, WindDrivenTrees, grid_placements
-from galewood.table import drawn_positions, joint_rows
+from galewood.skinning import drawn_positions, joint_rows
 from galewood.util import Floats, Ints
 from galewood.wind import Wind, WindField
 

@@ -121,12 +121,12 @@ def _build_one(
     from galewood.pipeline import (
         bare_path,
         build_table,
-        drawn_words,
         expected_motion,
         import_lines,
         motion_lines,
         tree_lines,
     )
+    from galewood.skinning import distortion_line
 
     def tell(tree: TreeMesh) -> None:
         for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.own_wood))]:
@@ -158,8 +158,8 @@ def _build_one(
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     for line in tree_lines(result.report["tree"]):
         console.print(line)
-    if words := drawn_words(result.report["drawn"]):
-        console.print(words)
+    if line := distortion_line(result.report["drawn"]):
+        console.print(line)
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")
     if result.bare_table:

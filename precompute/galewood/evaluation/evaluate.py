@@ -19,8 +19,10 @@ from galewood.evaluation.measures import CHUNK, errors, figures, hausdorff_by_fr
 from galewood.evaluation.reference_runs import ReferenceRun, ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.source import Source
 from galewood.evaluation.winds import unseen_winds
+from galewood.options import EvaluationOptions
 from galewood.player import ModalForest, PaperForest
-from galewood.table import Table, joint_rows, without_gusts
+from galewood.skinning import joint_rows
+from galewood.table import Table, without_gusts
 from galewood.util import Array, Floats
 
 Forest = PaperForest | ModalForest
@@ -73,38 +75,29 @@ def nearest_sample(table: Table, pressure_pa: Floats) -> Floats:
 def evaluate_table(
     table: Table,
     source: Source,
-    frames: int,
+    options: EvaluationOptions,
     cache_dir: Path,
     on_progress: OnProgress,
-    *,
-    strength: float = 0.65,
-    sway: float | None = None,
-    seed: int = 20_001,
-    workers: int = 2,
-    converged: bool = False,
     winds: Mapping[str, Floats] | None = None,
 ) -> dict[str, Any]:
     """Error figures per unseen wind and method, with a tree at rest and the nearest sampled run as baselines.
 
-    ``strength`` is the peak speed over the design speed. With ``sway`` each wind is instead scaled until the
-    reference solution sways by that share of the height, or until the wind is the strongest
-    that the table was made from. ``winds`` (pressures (T, 2) Pa by name) replace the
-    default ones. With ``converged`` each wind is also simulated with smaller steps (`converged.py`).
+    ``winds`` (pressures (T, 2) Pa by name) replace the default ones.
     """
     table = without_gusts(table)  # these winds are the same everywhere in the crown
-    winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
-    tasks = reference_tasks(table, source, list(winds.values()), sway)
+    winds = winds or _winds(table, options)
+    tasks = reference_tasks(table, source, list(winds.values()), options.sway)
 
     def done(count: int) -> None:
         on_progress(0.8 * count / len(tasks), "Simulating the winds")
 
-    paths = run_references(tasks, cache_dir, done, workers)
-    exact = run_converged(source, paths, cache_dir, workers) if converged else None
+    paths = run_references(tasks, cache_dir, done, options.workers)
+    exact = run_converged(source, paths, cache_dir, options.workers) if options.converged else None
     found: dict[str, Any] = {}
     for k, (name, path) in enumerate(zip(winds, paths, strict=True)):
         on_progress(0.8 + 0.2 * k / len(paths), f"Comparing: {name}")
         reference = read_reference_run(path)
-        found[name] = compare_methods(table, source, reference, len(reference.pressure_pa) - frames)
+        found[name] = compare_methods(table, source, reference, len(reference.pressure_pa) - options.frames)
         if exact:
             limit = read_reference_run(exact[k])
             found[name]["converged"] = against_converged(table, source, reference, limit)
@@ -112,16 +105,19 @@ def evaluate_table(
     return found
 
 
-def _winds(table: Table, frames: int, strength: float, seed: int) -> dict[str, Floats]:
+def _winds(table: Table, options: EvaluationOptions) -> dict[str, Floats]:
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
     first_hz = next(iter(table.metadata.get("frequencies_hz") or ()), None)
-    return unseen_winds(speed_m_s, frames, dt_s, strength=strength, seed=seed, first_hz=first_hz)
+    strength = options.strength if options.sway is None else 0.9
+    return unseen_winds(
+        speed_m_s, options.frames, dt_s, strength=strength, seed=options.seed, first_hz=first_hz
+    )
 
 
 def reference_tasks(
     table: Table, source: Source, winds: list[Floats], sway: float | None
 ) -> list[ReferenceTask]:
-    """Reference runs of the winds (T, 2) Pa; ``sway`` as in ``evaluate_table``."""
+    """Reference runs of the winds (T, 2) Pa; ``sway`` as in EvaluationOptions."""
     if sway is None:
         return [ReferenceTask(source.model_path, wind) for wind in winds]
     most_pa = table.peak_pressure_pa
@@ -192,14 +188,14 @@ def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: i
 
 
 def rendered_track(table: Table, source: Source, q: Floats) -> Floats:
-    """(T, s, 3) displacement of what holds the render vertices, m, by the first modes of q."""
+    """(T, j, 3) displacement of the joints that hold the render vertices, m, by the first modes of q."""
     rows = joint_rows(table, table.node_basis[:, :, : q.shape[1]]).astype(np.float64)
-    joints = np.einsum("nik,tk->tni", rows, q)
-    return joints[:, source.rendered.joint]
+    # laid out in memory as rendered_reference
+    return np.einsum("nik,tk->nti", rows, q).transpose(1, 0, 2)
 
 
 def rendered_reference(source: Source, reference_m: Array) -> Floats:
-    """(T, s, 3) displacement of the same places with the reference solution (T, n, 3), m."""
+    """(T, j, 3) displacement of the same joints with the reference solution (T, n, 3), m."""
     frames, n, _ = reference_m.shape
     flat = reference_m.astype(np.float64).transpose(1, 0, 2).reshape(n, -1)
     return np.asarray(source.rendered.binding @ flat).reshape(-1, frames, 3).transpose(1, 0, 2)

@@ -18,7 +18,6 @@ import scipy.sparse
 
 from galewood.fem import FemModel, load_model
 from galewood.mesh import TreeMesh, import_mesh_sandboxed
-from galewood.model import points_binding, render_binding
 from galewood.options import BuildRequest, ImportRequest
 from galewood.pipeline import TableSettings
 from galewood.reduction import (
@@ -26,11 +25,11 @@ from galewood.reduction import (
     Subspace,
     linear_motion,
     oscillators_of,
+    output_modes,
     size_of,
     sizes_for,
     training_winds,
 )
-from galewood.reduction import shown_modes as reduction_modes
 from galewood.sampling import (
     ALL_COSINES,
     COSINE,
@@ -42,9 +41,10 @@ from galewood.sampling import (
     simulate,
 )
 from galewood.skeleton import extract_skeleton, sampled_elements
+from galewood.skinning import points_embedding, render_embedding
 from galewood.table import Metadata, Table
 from galewood.tets import TetMesh
-from galewood.util import Floats, Int64s, write_whole
+from galewood.util import Floats, Int64s, write_atomically
 
 OnProgress = Callable[[float, str], None]
 USUAL_OPTIONS = BuildRequest()
@@ -102,9 +102,9 @@ def source_of(
     tets = tets_of(fem)
     on_progress(0.1, "Reading the mesh")
     tree = read_mesh(table, mesh)
-    binding = render_binding(tree, tets)
+    binding = render_embedding(tree, tets)
     on_progress(0.3, "Reading the simulated runs")
-    subspace = shown_modes(table, fem, tets, cache_dir, workers)
+    subspace = table_modes(table, fem, tets, cache_dir, workers)
     check_basis(table, tets, subspace)
     on_progress(1.0, "Done")
     return Source(fem, model_path, tets, tree, binding, subspace, _rendered(table, tets))
@@ -141,7 +141,7 @@ def kept_model(path: Path, metadata: Metadata, cache_dir: Path) -> Path:
         )
     kept = cache_dir / "models" / f"{sha256}.npz"
     if not kept.exists():
-        write_whole(kept, path.read_bytes())
+        write_atomically(kept, path.read_bytes())
     return kept
 
 
@@ -212,7 +212,7 @@ def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
     return samples.paper_runs()
 
 
-def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
+def table_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the vertices of the wood, computed as in the build. Raises SourceError."""
     samples = samples_of(table, model, mesh, cache_dir, workers)
     mass_kg, body = model.mass_kg[: model.vertex_count], oscillators_of(model)
@@ -228,18 +228,18 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
         size = size_of(training, len(table.modal_step))
     except ValueError as error:
         raise SourceError(str(error)) from error
-    return reduction_modes(training, mass_kg, tolerance_m, size)[1]
+    return output_modes(training, mass_kg, tolerance_m, size)[1]
 
 
 def _rendered(table: Table, mesh: TetMesh) -> RenderedVertices:
     joint = table.vertex_joint.astype(np.int64)
     count = np.bincount(joint, minlength=len(table.joint_share)).astype(np.int64)
-    return RenderedVertices(points_binding(table.joint_rest_m, mesh), count)
+    return RenderedVertices(points_embedding(table.joint_rest_m, mesh), count)
 
 
 def check_basis(table: Table, mesh: TetMesh, subspace: Subspace) -> None:
     """Raise SourceError unless the nodes move as the modes do where the nodes are."""
-    nodes = points_binding(table.node_rest_m, mesh)
+    nodes = points_embedding(table.node_rest_m, mesh)
     n, _, r = subspace.basis.shape
     basis = table.node_basis[:, :, : table.fitted_modes]
     if 3 * r != basis[0].size:

@@ -16,7 +16,7 @@ from galewood.evaluation.evaluate import methods_of, played
 from galewood.evaluation.measures import hausdorff
 from galewood.evaluation.source import tets_of
 from galewood.fem import FemModel, Simulator
-from galewood.model import points_binding
+from galewood.skinning import points_embedding
 from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import WindField, WindState, height_factor, limit_pressure, to_tree_frame
@@ -57,7 +57,7 @@ class Comparison:
 
 def nodes_on_wood(table: Table, model: FemModel) -> scipy.sparse.csr_matrix:
     """(n, N) weights of the table's nodes on the vertices of the model."""
-    return points_binding(table.node_rest_m, tets_of(model))
+    return points_embedding(table.node_rest_m, tets_of(model))
 
 
 def comparison_tracks(

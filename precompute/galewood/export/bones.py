@@ -16,7 +16,8 @@ from galewood.export.options import MOST_BONES
 from galewood.export.skeleton import Skeleton, choose_bones, samples
 from galewood.export.skinning import BONES_PER_VERTEX, fitted_weights
 from galewood.export.wind_groups import wind_groups
-from galewood.table import Table, drawn_positions
+from galewood.skinning import drawn_positions
+from galewood.table import Table
 from galewood.util import Floats, Ints
 
 if TYPE_CHECKING:

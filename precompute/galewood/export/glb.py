@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 from galewood.export.gltf_file import ARRAY_BUFFER, GltfFile
 from galewood.player import WindDrivenTrees
-from galewood.table import Table, drawn_positions, vertex_rows
+from galewood.skinning import drawn_positions, vertex_rows
+from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import Wind, WindField
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.table import Table, node_pose
+from galewood.skinning import node_pose
+from galewood.table import Table
 from galewood.util import Floats, Ints
 
 
@@ -19,7 +20,7 @@ class RigidMotion:
 
 
 def quaternions(turn: Floats) -> Floats:
-    """(…, 4) the rotations that are drawn for rotation vectors (…, 3) of the table, as ``table.turned``.
+    """(…, 4) the rotations that are drawn for rotation vectors (…, 3) of the table (``node_pose.turned``).
 
     The sine of the angle is |ω| (1 + |ω|⁴)^(−1/4) ≤ 1, so that the cosine is at least 0 and w at least 0.7.
     """

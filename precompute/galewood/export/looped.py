@@ -8,7 +8,8 @@ import numpy as np
 
 from galewood.export.errors import ExportError
 from galewood.player import periodic_motion
-from galewood.table import Table, drawn_positions
+from galewood.skinning import drawn_positions
+from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import Wind
 

@@ -18,7 +18,8 @@ from galewood.export.joints import RigidMotion, joint_motion, joint_of_vertex
 from galewood.export.looped import Loop, seam_percent
 from galewood.export.usd_library import usd_library
 from galewood.export.usd_materials import add_materials
-from galewood.table import Table, drawn_positions
+from galewood.skinning import drawn_positions
+from galewood.table import Table
 from galewood.util import Floats
 
 ROOT_PRIM = "/tree"

@@ -30,7 +30,8 @@ from galewood.export.textures import (
     read_texture,
     write_texture,
 )
-from galewood.table import Table, drawn_positions
+from galewood.skinning import drawn_positions
+from galewood.table import Table
 from galewood.util import Floats
 
 FORMAT, VERSION = "galewood-vat", 1

@@ -133,6 +133,11 @@ def directed_edges(faces: Ints) -> Ints:
     return np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
 
 
+def unique_edges(faces: Ints) -> Ints:
+    """Edges (e, 2) of triangles (m, 3), each once, as ascending pairs in ascending order."""
+    return np.unique(np.sort(directed_edges(faces), axis=1), axis=0)
+
+
 def signed_volumes(surface: Surface, of_face: Ints, count: int) -> Floats:
     """Signed volume of each component relative to its own centre, so that open components have one too."""
     corners = surface.vertices[surface.faces]

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from galewood.mesh.repair import Surface, directed_edges
+from galewood.mesh.repair import Surface, unique_edges
 from galewood.util import Floats
 
 
@@ -62,7 +62,7 @@ def _crossing(surface: Surface, pair: np.ndarray, height: float) -> Floats:
 
 def edge_samples(surface: Surface, step: float) -> Floats:
     """(s, 3) all vertices, and points at most ``step`` apart on all edges."""
-    edges = np.unique(np.sort(directed_edges(surface.faces), axis=1), axis=0)
+    edges = unique_edges(surface.faces)
     start, end = surface.vertices[edges[:, 0]], surface.vertices[edges[:, 1]]
     pieces = np.clip(np.ceil(np.linalg.norm(end - start, axis=1) / step), 1, 200).astype(int)
     edge = np.repeat(np.arange(len(edges)), pieces - 1)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from galewood.mesh import TreeMesh
-from galewood.model.bearers import edge_points
+from galewood.skinning import edge_samples
 from galewood.util import Floats
 
 SAMPLES_PER_HEIGHT = 200
@@ -20,5 +20,5 @@ def in_added_wood(tree: TreeMesh, points_m: Floats) -> np.ndarray:
         return np.zeros(len(points_m), dtype=bool)
     if not len(drawn.faces):
         return np.ones(len(points_m), dtype=bool)
-    near, far = (edge_points(part, tree.height_m / SAMPLES_PER_HEIGHT).place_m for part in (added, drawn))
+    near, far = (edge_samples(part, tree.height_m / SAMPLES_PER_HEIGHT).place_m for part in (added, drawn))
     return np.asarray(KDTree(near).query(points_m)[0] < KDTree(far).query(points_m)[0])

@@ -15,13 +15,11 @@ from scipy.spatial import KDTree
 from galewood.beams import Frame, frame_modes, joined_frame
 from galewood.fem import LEAST_PROFILE
 from galewood.mesh import RenderPrimitive, TreeMesh
-from galewood.model.axis import Axis, axis_of_frame
-from galewood.model.bare_tree import without_leaves
-from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
 from galewood.model.construction import STIFFNESS_FLOOR
 from galewood.model.crown_mass import twig_loads
-from galewood.model.foliage import crown_loads
+from galewood.model.foliage import crown_loads, without_leaves
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
+from galewood.skinning import LARGEST_RIGID_PIECE, Axis, axis_of_frame, leading_vertices
 from galewood.tets import FLOOR
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
@@ -39,16 +37,16 @@ class BeamModel:
 
     Each point of the frame is four particles: itself, and one beside it along each axis, so that particles
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
-    Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles. The next three
-    (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile; ``place_m``
-    (4n, 3) is where the points rest. What is drawn follows the ``axis``.
+    Pa of wind along x and z. ``embedding`` (v, 4n) moves the render vertices with the particles. The next
+    three (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile;
+    ``place_m`` (4n, 3) is where the points rest. What is drawn follows the ``axis``.
     """
 
     frequencies_hz: Floats
     shapes: Floats
     mass_kg: Floats
     load: Floats
-    binding: csr_matrix
+    embedding: csr_matrix
     beams: int
     exposed_area_m2: Floats
     sheltered_share: Floats
@@ -64,8 +62,8 @@ class BeamModel:
 
 
 @dataclass(frozen=True)
-class _Feet:
-    """Nearest points of the frame to some vertices: beam (v,), share (v,) along it, distance_m (v,)."""
+class _NearestBeams:
+    """Points of the frame nearest to some vertices: beam (v,), share (v,) along it, distance_m (v,)."""
 
     beam: Ints
     share: Floats
@@ -79,13 +77,13 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
     """
     outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
     frame = replace(frame_of(outline), stiff_radius_m=_stiff_radius_m(tree.wood_vertices_m))
-    feet = [_feet(primitive.positions_m, frame) for primitive in tree.primitives]
-    of = {id(primitive): foot for primitive, foot in zip(tree.primitives, feet, strict=True)}
+    beams = [_nearest_beams(primitive.positions_m, frame) for primitive in tree.primitives]
+    of = {id(primitive): own for primitive, own in zip(tree.primitives, beams, strict=True)}
 
     def spread(primitive: RenderPrimitive, amount: Floats) -> Floats:
-        foot = of[id(primitive)]
-        ends = frame.links[foot.beam]
-        shares = np.column_stack([1 - foot.share, foot.share]) * amount[:, None]
+        nearest = of[id(primitive)]
+        ends = frame.links[nearest.beam]
+        shares = np.column_stack([1 - nearest.share, nearest.share]) * amount[:, None]
         return np.bincount(ends.ravel(), shares.ravel(), len(frame.points_m)).astype(np.float64)
 
     wood_mass = frame.volume_m3() * wood.density_kg_m3
@@ -102,7 +100,7 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
         _at_particles(modes.shapes, arm_m),
         _on_points(_point_mass(frame, wood) + hung_kg),
         np.einsum("kni,n->ki", modes.shapes[:, :, [0, 2]], crown.drag_area_m2),
-        _binding(tree, frame, feet, arm_m),
+        _embedding(tree, frame, beams, arm_m),
         len(frame.links),
         _on_points(crown.exposed_area_m2),
         np.repeat(crown.drag_area_m2 / np.maximum(crown.exposed_area_m2, 1e-12), 4),
@@ -135,7 +133,7 @@ def frame_of(branches: Outline) -> Frame:
     parent = np.arange(-1, len(index) - 1)
     parent[starts[1:]] = [np.flatnonzero(index == line[0])[0] for line in lines[1:]]
     radius = branches.radius_m[index]
-    radius[starts[1:]] = radius[starts[1:] + 1]  # a branch is not as thick as the limb that bears it
+    radius[starts[1:]] = radius[starts[1:] + 1]  # a branch is not as thick as its parent limb
     return joined_frame(branches.points_m[index], radius, parent, owner)
 
 
@@ -152,7 +150,7 @@ def _point_mass(frame: Frame, wood: Wood) -> Floats:
     return np.bincount(frame.links.ravel(), np.repeat(mass / 2, 2), len(frame.points_m)).astype(np.float64)
 
 
-def _feet(vertices_m: Floats, frame: Frame) -> _Feet:
+def _nearest_beams(vertices_m: Floats, frame: Frame) -> _NearestBeams:
     share = (np.arange(PLACES_PER_BEAM) + 0.5) / PLACES_PER_BEAM
     start, along = frame.points_m[frame.links[:, 0]], np.diff(frame.points_m[frame.links], axis=1)[:, 0]
     places = start[:, None] + share[:, None] * along[:, None]
@@ -160,34 +158,31 @@ def _feet(vertices_m: Floats, frame: Frame) -> _Feet:
     beam = np.asarray(nearest, np.int64) // PLACES_PER_BEAM
     offset = vertices_m - start[beam]
     squared = np.einsum("vi,vi->v", along[beam], along[beam])
-    foot = np.clip(np.einsum("vi,vi->v", offset, along[beam]) / np.maximum(squared, 1e-300), 0.0, 1.0)
-    return _Feet(beam, foot, np.linalg.norm(offset - foot[:, None] * along[beam], axis=1))
+    at = np.clip(np.einsum("vi,vi->v", offset, along[beam]) / np.maximum(squared, 1e-300), 0.0, 1.0)
+    return _NearestBeams(beam, at, np.linalg.norm(offset - at[:, None] * along[beam], axis=1))
 
 
-def _binding(tree: TreeMesh, frame: Frame, feet: list[_Feet], arm_m: float) -> csr_matrix:
+def _embedding(tree: TreeMesh, frame: Frame, beams: list[_NearestBeams], arm_m: float) -> csr_matrix:
     """Weights (render vertices, particles): a vertex turns with the beam it is nearest to.
 
     A piece of foliage or a twig is not deformed: it moves as its vertex that is nearest to the wood.
     """
     rows: list[csr_matrix] = []
-    for primitive, own in zip(tree.primitives, feet, strict=True):
-        place, foot = primitive.positions_m, own
+    for primitive, own in zip(tree.primitives, beams, strict=True):
+        place, nearest = primitive.positions_m, own
         if primitive.kind != "wood":
-            piece = foliage_pieces(primitive)
-            holder = nearest_of_pieces(own.distance_m, piece)[piece]
-            loose = piece_size(place, piece) > CROWN_SIZE * tree.height_m
-            holder = np.where(loose[piece], np.arange(len(place)), holder)
-            place = place[holder]
-            foot = replace(own, beam=own.beam[holder], share=own.share[holder])
-        rows.append(_rows(place, foot, frame, arm_m))
+            leader = leading_vertices(primitive, own.distance_m, LARGEST_RIGID_PIECE * tree.height_m)
+            place = place[leader]
+            nearest = replace(own, beam=own.beam[leader], share=own.share[leader])
+        rows.append(_rows(place, nearest, frame, arm_m))
     return csr_matrix(vstack(rows, format="csr"))
 
 
-def _rows(place_m: Floats, foot: _Feet, frame: Frame, arm_m: float) -> csr_matrix:
-    ends = frame.links[foot.beam]
+def _rows(place_m: Floats, nearest: _NearestBeams, frame: Frame, arm_m: float) -> csr_matrix:
+    ends = frame.links[nearest.beam]
     arm = (place_m[:, None] - frame.points_m[ends]) / arm_m  # (v, 2, 3)
     weight = np.concatenate([1 - arm.sum(axis=2, keepdims=True), arm], axis=2)
-    weight *= np.column_stack([1 - foot.share, foot.share])[:, :, None]
+    weight *= np.column_stack([1 - nearest.share, nearest.share])[:, :, None]
     column = 4 * ends[:, :, None] + np.arange(4)
     pointer = 8 * np.arange(len(place_m) + 1)
     shape = (len(place_m), 4 * len(frame.points_m))

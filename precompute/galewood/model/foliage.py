@@ -3,30 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
-from galewood.model.bare_tree import without_leaves
-from galewood.model.binding import (
-    CROWN_SIZE,
-    foliage_pieces,
-    nearest_of_pieces,
-    nearest_tets,
-    piece_size,
-    render_binding,
-)
 from galewood.model.crown_mass import twig_loads, vertex_areas
 from galewood.model.silhouette import silhouette_area
 from galewood.model.twigs import twig_volumes
 from galewood.skeleton import CLAMPED_SHARE, root_vertices
+from galewood.skinning import LARGEST_RIGID_PIECE, leading_vertices, nearest_tets
 from galewood.tets import TetMesh, tet_volumes
 from galewood.util import Floats, Int32s
-
-__all__ = ["LumpedMasses", "bind_foliage", "render_binding"]
 
 LEAF_MASS_KG_M2 = 0.2  # fresh leaf including its petiole, per one-sided area
 MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
@@ -76,6 +66,11 @@ class CrownLoads:
     leaf_mass_kg: Floats
 
 
+def without_leaves(tree: TreeMesh) -> TreeMesh:
+    """The tree in winter: without the primitives of its leaves, only its wood weighs and catches the wind."""
+    return replace(tree, primitives=[part for part in tree.primitives if part.kind != "leaves"])
+
+
 def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = True) -> LumpedMasses:
     """Mass of leaves and twigs, and wind area, at the vertices of the tetrahedral mesh.
 
@@ -84,7 +79,8 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = T
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
-    spread = partial(_spread, mesh=mesh, least_m=CROWN_SIZE * tree.height_m if tree.added_faces else np.inf)
+    rigid_m = LARGEST_RIGID_PIECE * tree.height_m if tree.added_faces else np.inf
+    spread = partial(_spread, mesh=mesh, rigid_m=rigid_m)
     loaded = tree if leaves else without_leaves(tree)
     crown = crown_loads(loaded, wood, mesh.vertices_m[:, 1], spread, wood_mass)
     # Twigs hang where the leaves do, in winter too.
@@ -152,20 +148,18 @@ def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
     return (mass * (most / total), True) if total > most else (mass, False)
 
 
-def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh, least_m: float) -> Floats:
-    """Distribute an amount (n,) at render vertices to the tet vertices that they are bound to.
+def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh, rigid_m: float) -> Floats:
+    """Distribute an amount (n,) at render vertices to the tet vertices that they are embedded in.
 
-    A piece larger than ``least_m``, such as a crown around an added stem, weighs on all wood inside it.
+    A piece larger than ``rigid_m``, such as a crown around an added stem, weighs on all wood inside it.
     """
-    anchors = nearest_tets(primitive.positions_m, mesh)
-    holder = np.arange(len(amount))
+    points = nearest_tets(primitive.positions_m, mesh)
+    leader = np.arange(len(amount))
     if primitive.kind != "wood":
-        pieces = foliage_pieces(primitive)
-        loose = piece_size(primitive.positions_m, pieces) > least_m
-        holder = np.where(loose[pieces], holder, nearest_of_pieces(anchors.distance_m, pieces)[pieces])
-    parts = anchors.weight[holder] * amount[:, None]
+        leader = leading_vertices(primitive, points.distance_m, rigid_m)
+    parts = points.weight[leader] * amount[:, None]
     return np.asarray(
-        np.bincount(mesh.tets[anchors.tet[holder]].ravel(), parts.ravel(), len(mesh.vertices_m)),
+        np.bincount(mesh.tets[points.tet[leader]].ravel(), parts.ravel(), len(mesh.vertices_m)),
         dtype=np.float64,
     )
 

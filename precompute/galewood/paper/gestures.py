@@ -22,13 +22,13 @@ from galewood.evaluation import (
     run_references,
     samples_of,
 )
-from galewood.model import axis_of_tets
 from galewood.paper.plan import Plan
-from galewood.pipeline import Surroundings, TableSettings, assemble_table, render_mesh
+from galewood.pipeline import TableContext, TableSettings, assemble_table, render_mesh
 from galewood.player import PaperForest
-from galewood.reduction import ModalTraining, Subspace, oscillators_of, shown_modes, size_of
+from galewood.reduction import ModalTraining, Subspace, oscillators_of, output_modes, size_of
 from galewood.sampling import DIRECTIONS_DEG, SampledRun, sample_winds
 from galewood.skeleton import extract_skeleton
+from galewood.skinning import axis_of_tets
 from galewood.table import Table
 from galewood.util import Floats
 
@@ -121,7 +121,7 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
     own = small_table(table, source, chosen)
     training = _training(source, chosen)
     size = size_of(training, len(own.modal_step))
-    return own, shown_modes(training, mass_kg, tolerance_m, size)[1]
+    return own, output_modes(training, mass_kg, tolerance_m, size)[1]
 
 
 def _training(source: Source, runs: Sequence[SampledRun]) -> ModalTraining:
@@ -133,7 +133,7 @@ def small_table(table: Table, source: Source, runs: Sequence[SampledRun]) -> Tab
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
     axis = axis_of_tets(source.mesh, extract_skeleton(source.mesh))
     surface = render_mesh(source.tree, source.binding, axis)
-    of = Surroundings(mass_kg, surface, dict(table.metadata), TableSettings())
+    of = TableContext(mass_kg, surface, dict(table.metadata), TableSettings())
     return assemble_table(runs, (), _training(source, runs), of)
 
 

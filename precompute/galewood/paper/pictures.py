@@ -13,7 +13,8 @@ from galewood.evaluation import Source
 from galewood.paper.gestures import TARGET_DIRECTION_DEG, Fig3, Fig5
 from galewood.paper.plan import Plan
 from galewood.sampling import DIRECTIONS_DEG, sample_winds
-from galewood.table import Table, joint_rows
+from galewood.skinning import joint_rows
+from galewood.table import Table
 from galewood.util import Floats
 
 Move = Callable[[Floats], Floats]

@@ -13,39 +13,35 @@ from galewood.pipeline.options import (
     bare_path,
 )
 from galewood.pipeline.table_settings import TableSettings
-from galewood.shipped import SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
+from galewood.shipped import SHIPPED_FOLDER, ShippedTree, read_shipped
 from galewood.util import lazily
 
 if TYPE_CHECKING:
-    from galewood.pipeline.assemble import Surroundings, assemble_table, internal_states
+    from galewood.pipeline.assemble import TableContext, assemble_table, internal_states
     from galewood.pipeline.build import build_table, build_tree, model_of
-    from galewood.pipeline.drawn_figures import DrawnFigures, drawn_words
-    from galewood.pipeline.expected import expected_motion, motion_lines, with_expected_motion
+    from galewood.pipeline.expected import expected_motion, motion_lines
     from galewood.pipeline.from_beams import beam_table
     from galewood.pipeline.kernel_compilation import compile_kernels
-    from galewood.pipeline.report import render_mesh
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
     from galewood.pipeline.summary import import_lines
+    from galewood.pipeline.surface import render_mesh
     from galewood.pipeline.tree_figures import tree_lines
 
 __getattr__ = lazily(
     __name__,
     {
-        "Surroundings": "galewood.pipeline.assemble",
+        "TableContext": "galewood.pipeline.assemble",
         "assemble_table": "galewood.pipeline.assemble",
         "internal_states": "galewood.pipeline.assemble",
         "beam_table": "galewood.pipeline.from_beams",
         "build_table": "galewood.pipeline.build",
         "build_tree": "galewood.pipeline.build",
         "model_of": "galewood.pipeline.build",
-        "DrawnFigures": "galewood.pipeline.drawn_figures",
-        "drawn_words": "galewood.pipeline.drawn_figures",
         "expected_motion": "galewood.pipeline.expected",
         "import_lines": "galewood.pipeline.summary",
         "motion_lines": "galewood.pipeline.expected",
-        "with_expected_motion": "galewood.pipeline.expected",
         "compile_kernels": "galewood.pipeline.kernel_compilation",
-        "render_mesh": "galewood.pipeline.report",
+        "render_mesh": "galewood.pipeline.surface",
         "BuiltinMesh": "galewood.pipeline.shipping",
         "builtin_meshes": "galewood.pipeline.shipping",
         "outdated": "galewood.pipeline.shipping",
@@ -59,20 +55,17 @@ __all__ = [
     "BuildOptions",
     "BuildResult",
     "BuiltinMesh",
-    "DrawnFigures",
     "Progress",
     "ShippedTree",
-    "Surroundings",
+    "TableContext",
     "TableSettings",
     "assemble_table",
     "bare_path",
     "beam_table",
-    "build_key",
     "build_table",
     "build_tree",
     "builtin_meshes",
     "compile_kernels",
-    "drawn_words",
     "expected_motion",
     "import_lines",
     "internal_states",
@@ -83,6 +76,4 @@ __all__ = [
     "render_mesh",
     "ship",
     "tree_lines",
-    "with_expected_motion",
-    "write_shipped",
 ]

@@ -7,30 +7,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from galewood.constants import TABLE_FORMAT, TABLE_VERSION
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors
-from galewood.pipeline.bark_holds import with_calm_bark
-from galewood.pipeline.borne_pieces import with_borne_pieces
 from galewood.pipeline.surface import RenderMesh
 from galewood.pipeline.table_settings import TableSettings
 from galewood.reduction import (
     GustModes,
     ModalTraining,
-    Motion,
-    Nodes,
     Oscillators,
     Subspace,
     fit_smallest,
     gust_modes,
     gust_range,
     linear_motion,
-    make_nodes,
     quantise,
     quantum,
 )
 from galewood.sampling import SampledRun, SampleWind
 from galewood.search import Compared, InternalStates, Rule, air_of, build_search, compared, typical_error
-from galewood.table import FORMAT, VERSION, Metadata, Records, Table
+from galewood.skinning import MotionSamples, Skin, make_skin, with_attached_pieces
+from galewood.table import Metadata, Records, Table
 from galewood.util import Array, Floats
 
 REACH_MARGIN = 1.5
@@ -38,7 +35,7 @@ REACH_MARGIN = 1.5
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class TableContext:
     """What a table contains besides its motion."""
 
     mass_kg: Floats  # (n,) of the tet vertices
@@ -62,7 +59,7 @@ class DefaultPart:
 
 
 def assemble_first(
-    body: Oscillators, winds_pa: Sequence[Floats], fem: FemSettings, of: Surroundings
+    body: Oscillators, winds_pa: Sequence[Floats], fem: FemSettings, of: TableContext
 ) -> Table:
     """A table from the natural modes alone: linear motion, without any simulation.
 
@@ -73,7 +70,7 @@ def assemble_first(
     return _table(motion, gust_modes(body, fem), {}, of)
 
 
-def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
+def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
     """The table of the default method, fitted to the training runs."""
     tolerance_m = of.settings.truncation_share * of.height_m
     fitted = fit_smallest(training, of.mass_kg, of.height_m, tolerance_m)
@@ -84,14 +81,14 @@ def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
         "training_m": fitted.training_error_m,
     }
     q = [subspace.project(run.displacement_m) for run in training.runs]
-    of = replace(of, mesh=with_calm_bark(of.mesh, subspace.basis, q, of.height_m))
+    of = replace(of, mesh=of.mesh.smoothed(subspace.basis, np.concatenate(q)))
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
     motion = ModalMotion(fitted.modal, subspace, q, winds_pa)
     layer = gust_modes(training.body, training.scheme)
     table = _table(motion, layer, errors, of)
-    if of.mesh.figures:
-        table = with_borne_pieces(table, of.mesh.figures, q)
-        table.metadata["drawn"] = of.mesh.figures.of(table, q)
+    if of.mesh.distortion:
+        table = with_attached_pieces(table, of.mesh.distortion, q)
+        table.metadata["drawn"] = of.mesh.distortion.of(table, q)
     return DefaultPart(table, subspace)
 
 
@@ -132,7 +129,7 @@ def assemble_records(
 
 
 def assemble_table(
-    runs: Sequence[SampledRun], winds: Sequence[SampleWind], training: ModalTraining, of: Surroundings
+    runs: Sequence[SampledRun], winds: Sequence[SampleWind], training: ModalTraining, of: TableContext
 ) -> Table:
     """A whole table: the default method from the training runs, the paper's records from ``runs``."""
     default = assemble_default(training, of)
@@ -154,7 +151,7 @@ class ModalMotion:
         return np.concatenate([np.linalg.norm(wind, axis=1) for wind in self.winds_pa])
 
 
-def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: Surroundings) -> Table:
+def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: TableContext) -> Table:
     """The table of a modal model and a gust layer."""
     modal, strengths_pa = motion.modal, motion.strengths_pa
     most_pa = max(float(strengths_pa.max(initial=0.0)), float(modal.limits[2]))
@@ -166,26 +163,30 @@ def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: Surround
     every = np.concatenate(motion.q)
     q_rms = np.sqrt(np.concatenate([np.mean(every**2, axis=0), np.mean(typical**2, axis=0)]))
     r = motion.subspace.modes
-    nodes = _nodes(basis, q_rms, _strong(motion.q, strongest), of)
-    reach_m = _reach_m(nodes.basis[:, :, :r], every) + _reach_m(nodes.basis[:, :, r:], strongest)
+    skin = _skin(basis, q_rms, _strong(motion.q, strongest), of)
+    reach_m = _reach_m(skin.node_basis[:, :, :r], every) + _reach_m(skin.node_basis[:, :, r:], strongest)
     metadata: Metadata = {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": TABLE_FORMAT,
+        "version": TABLE_VERSION,
         **of.description,
         "modes": basis.shape[2],
         "primitives": of.mesh.primitives,
         "peak_pressure_pa": most_pa,
         "reach_m": REACH_MARGIN * reach_m,
-        "errors": {**errors, "node_rms_m": nodes.rms_error_m, "node_max_m": nodes.max_error_m},
+        "errors": {**errors, "node_rms_m": skin.rms_error_m, "node_max_m": skin.max_error_m},
     }
     scale = np.full(basis.shape[2], quantum([*motion.q, strongest]), np.float32)
     gusts = layer.tensors
     return Table(
-        metadata, scale, nodes.basis, nodes.rest_m, nodes.turn, nodes.parent,
-        nodes.joint_nodes, nodes.joint_share, nodes.joint_rest_m, nodes.vertex_joint,
-        modal.step, modal.load, modal.sway, modal.force, modal.shown, modal.pose, modal.limits,
-        modal.drag_point, modal.drag_shape, modal.drag_rest,
-        gusts.place, gusts.step, gusts.load, gusts.drag,
+        metadata=metadata, mode_scale=scale,
+        node_basis=skin.node_basis, node_rest_m=skin.node_rest_m,
+        node_turn=skin.node_turn, node_parent=skin.node_parent,
+        joint_nodes=skin.joint_nodes, joint_share=skin.joint_share, joint_rest_m=skin.joint_rest_m,
+        vertex_joint=skin.vertex_joint,
+        modal_step=modal.step, modal_load=modal.load, modal_sway=modal.sway, modal_force=modal.force,
+        modal_shown=modal.shown, modal_pose=modal.pose, modal_limits=modal.limits,
+        modal_drag_point=modal.drag_point, modal_drag_shape=modal.drag_shape, modal_drag_rest=modal.drag_rest,
+        gust_place=gusts.place, gust_step=gusts.step, gust_load=gusts.load, gust_drag=gusts.drag,
     )  # fmt: skip
 
 
@@ -206,11 +207,12 @@ def _strong(q: Sequence[Floats], gusts: Floats) -> Floats:
     return poses
 
 
-def _nodes(basis: Floats, q_rms: Floats, strong: Floats, of: Surroundings) -> Nodes:
+def _skin(basis: Floats, q_rms: Floats, strong: Floats, of: TableContext) -> Skin:
     moved = of.mesh.axis.displacement(basis) @ strong.T
     farthest_m = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
     tolerance_m = min(of.settings.node_share * of.height_m, of.settings.node_sway_share * farthest_m)
-    return make_nodes(of.mesh.axis, of.mesh.feet, Motion(basis, strong, q_rms), tolerance_m)
+    samples = MotionSamples(basis, strong, q_rms)
+    return make_skin(of.mesh.axis, of.mesh.bindings, samples, tolerance_m)
 
 
 def _reach_m(basis: Array, q: Floats) -> float:

@@ -11,28 +11,22 @@ from typing import Any
 
 from galewood.fem import FemModel, Simulator
 from galewood.mesh import TreeMesh, import_mesh_sandboxed
-from galewood.model import (
-    LumpedMasses,
-    axis_of_tets,
-    bind_foliage,
-    build_model,
-    compare_with_reference,
-    in_added_wood,
-    render_binding,
-)
+from galewood.model import LumpedMasses, bind_foliage, build_model, compare_with_reference, in_added_wood
 from galewood.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.artefacts import ArtefactPublisher, Publish
-from galewood.pipeline.assemble import DefaultPart, RenderMesh
+from galewood.pipeline.assemble import DefaultPart
 from galewood.pipeline.compliance_file import compliance_file
 from galewood.pipeline.from_beams import beam_table
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
-from galewood.pipeline.report import bears_leaves, build_report, render_mesh
+from galewood.pipeline.report import bears_leaves, build_report
 from galewood.pipeline.stiffness import goal_of, scaled_to
+from galewood.pipeline.surface import RenderMesh, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
 from galewood.sampling import Samples, TrajectoryRunner, design_wind, planned, run_in_processes, simulate
 from galewood.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
+from galewood.skinning import axis_of_tets, render_embedding
 from galewood.table import Records, encode, encode_records
-from galewood.tets import TetMesh, kept_tetrahedra, tetrahedralise
+from galewood.tets import TetMesh, cached_tetrahedra_path, tetrahedralise
 from galewood.util import Array, WorkerPool
 from galewood.wood import Wood
 
@@ -175,7 +169,7 @@ def _build(
 
 
 def _compliance(solid: Solid, model: FemModel, render_glb: bytes) -> bytes | None:
-    return compliance_file(model, solid.surface.binding, hashlib.sha256(render_glb).hexdigest())
+    return compliance_file(model, solid.surface.embedding, hashlib.sha256(render_glb).hexdigest())
 
 
 def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:
@@ -183,7 +177,7 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
     on.stages.enter("meshing")
     wood = options.wood_of(tree.species)
     mesh = tetrahedralise(tree, options.target_tets, on.cache_dir / "tets")
-    kept = kept_tetrahedra(tree, options.target_tets, on.cache_dir / "tets")
+    kept = cached_tetrahedra_path(tree, options.target_tets, on.cache_dir / "tets")
     artefacts.publish(kept.name, kept.read_bytes)
     artefacts.draw("tetrahedra.png", tetrahedra_png, mesh)
     on.stages.enter("skeleton")
@@ -194,7 +188,7 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
         "skeleton.png", skeleton_png, mesh, skeleton, elements, in_added_wood(tree, skeleton.points_m)
     )
     lumped = bind_foliage(tree, mesh, wood, leaves=options.foliage == "leaf")
-    surface = render_mesh(tree, render_binding(tree, mesh), axis_of_tets(mesh, skeleton))
+    surface = render_mesh(tree, render_embedding(tree, mesh), axis_of_tets(mesh, skeleton))
     return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])
 
 

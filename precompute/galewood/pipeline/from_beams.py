@@ -8,10 +8,11 @@ from galewood.constants import STREAMLINED_EXPONENT
 from galewood.fem import rayleigh
 from galewood.mesh import TreeMesh
 from galewood.model import BeamModel, beam_model
-from galewood.pipeline.assemble import Surroundings, assemble_first
+from galewood.pipeline.assemble import TableContext, assemble_first
 from galewood.pipeline.options import BuildOptions
-from galewood.pipeline.report import Body, describe, render_mesh
+from galewood.pipeline.report import Body, describe
 from galewood.pipeline.stiffness import goal_of
+from galewood.pipeline.surface import render_mesh
 from galewood.reduction import Exposure, Oscillators, training_winds
 from galewood.sampling import MAX_SWAY_SHARE
 from galewood.table import encode
@@ -36,9 +37,9 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
     model = beam_model(tree, wood, leaves=options.foliage == "leaf")
     speed_m_s = _design_speed(model, options.design_speed_m_s, tree.height_m)
     body = Body(model.frequencies_hz[:10].tolist(), wood.name, {"beams": model.beams})
-    of = Surroundings(
+    of = TableContext(
         model.mass_kg,
-        render_mesh(tree, model.binding, model.axis),
+        render_mesh(tree, model.embedding, model.axis),
         describe(tree, body, speed_m_s, options, render_glb),
         options.table,
     )

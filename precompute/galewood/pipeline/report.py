@@ -8,29 +8,16 @@ from importlib import metadata
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
-from galewood.model import Axis, LumpedMasses, holds_of
-from galewood.pipeline.drawn_figures import DrawnFigures
+from galewood.model import LumpedMasses
 from galewood.pipeline.options import BuildOptions, Stages
-from galewood.pipeline.surface import RenderMesh
 from galewood.pipeline.tree_figures import figures_of
 from galewood.sampling import DesignWind, content_hash
 from galewood.skeleton import Skeleton
 from galewood.table import Metadata, Records, Table
 from galewood.tets import TetMesh
-
-
-def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix, axis: Axis) -> RenderMesh:
-    """Render vertices of all primitives in the order of the GLB, with their weights on the tet vertices.
-
-    What is drawn is held by the ``axis``.
-    """
-    primitives = [{"name": p.name, "kind": p.kind, "vertices": len(p.positions_m)} for p in tree.primitives]
-    places = np.concatenate([p.positions_m for p in tree.primitives])
-    return RenderMesh(places, binding, primitives, axis, holds_of(tree, axis), DrawnFigures(tree))
 
 
 @dataclass(frozen=True)

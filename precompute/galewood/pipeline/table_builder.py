@@ -10,14 +10,14 @@ from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
 from galewood.pipeline.assemble import (
     DefaultPart,
-    RenderMesh,
-    Surroundings,
+    TableContext,
     assemble_default,
     assemble_first,
     assemble_records,
 )
 from galewood.pipeline.options import BuildOptions
 from galewood.pipeline.report import body_of, describe
+from galewood.pipeline.surface import RenderMesh
 from galewood.reduction import (
     ModalTraining,
     Oscillators,
@@ -61,7 +61,7 @@ class TableBuilder:
     def first(self, samples: Samples) -> Table:
         """The table of the natural modes alone, for motion before any run is simulated."""
         winds = [task.wind for task in samples.default]
-        of = self._surroundings([])
+        of = self._context([])
         table = assemble_first(self.oscillators, [wind.pressure_pa for wind in winds], self.options.fem, of)
         return _preliminary(table, "first", LEFT_OUT_OF_FIRST)
 
@@ -88,7 +88,7 @@ class TableBuilder:
             sizes_for(self.options.table.modes),
             further_runs,
         )
-        part = assemble_default(training, self._surroundings([]))
+        part = assemble_default(training, self._context([]))
         part.table.metadata["provenance"]["stage"] = "complete"
         part.table.metadata["provenance"].update(_winds([task.wind for task in tasks]))
         return part
@@ -102,12 +102,12 @@ class TableBuilder:
         records.metadata["sampled_elements"] = self.options.sampled_elements
         return records
 
-    def _surroundings(self, winds: list[SampleWind]) -> Surroundings:
+    def _context(self, winds: list[SampleWind]) -> TableContext:
         body, speed_m_s = body_of(self.model), self.wind.speed_m_s
         description = describe(self.tree, body, speed_m_s, self.options, self.render_glb)
         description["provenance"].update(_winds(winds))
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
-        return Surroundings(mass_kg, self.surface, description, self.options.table)
+        return TableContext(mass_kg, self.surface, description, self.options.table)
 
 
 def _winds(winds: Sequence[SampleWind]) -> dict[str, list[object]]:

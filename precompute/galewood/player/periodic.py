@@ -13,7 +13,8 @@ import numpy as np
 
 from galewood.player.gust_layer import GustLayer
 from galewood.player.modal_forest import ModalForest
-from galewood.table import Table, node_pose
+from galewood.skinning import node_pose
+from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor
 

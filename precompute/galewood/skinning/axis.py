@@ -1,11 +1,12 @@
-"""The axis of the branches as a model moves it: displacement and rotation of every point of the skeleton.
+"""The axis of the branches as a model moves it, and the bindings of vertices to it.
 
-What is drawn follows the axis: a place on a branch moves with the two neighbouring points and turns about
-them. Points are those of the skeleton, or of the frame of beams.
+The axis is a tree of points with a displacement and a rotation each: those of the skeleton of the wood, or of
+the frame of beams. A vertex is bound to a link between two points, which move and turn it by linear weights.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,24 +15,26 @@ from scipy.sparse import csr_matrix
 from scipy.spatial import KDTree
 
 from galewood.beams import Frame
-from galewood.model.binding import nearest_tets
 from galewood.skeleton import Skeleton
+from galewood.skinning.embedding import nearest_tets
 from galewood.tets import TetMesh
 from galewood.util import Floats, Ints
 
 PLACES_PER_LINK = 4
 """Places along a link among which the nearest to a point is sought."""
-CANDIDATES = 32
+COMPARED_PLACES = 32
 """Nearest places that are compared by their distance from the bark."""
-INSIDE = 0.1
+AXIS_DISTANCE_WEIGHT = 0.1
 """Weight of the distance from the axis relative to that from the bark; decides among places inside wood."""
 
 
 @dataclass(frozen=True)
-class Feet:
-    """Places on the axis: link from the parent of ``child`` (v,) to it, ``share`` (v,) of the way.
+class Bindings:
+    """Skinning weights of v vertices: each is bound to the link of the axis that ends at the point ``child``.
 
-    ``at_m`` (v, 3) are the places, ``distance_m`` (v,) the distance of what stands there from the bark.
+    ``share`` (v,) is the weight of that point, 1 − share that of its parent. ``at_m`` (v, 3) is the place on
+    the link with these weights, about which the vertex turns; ``distance_m`` (v,) is the distance of what is
+    bound there from the bark.
     """
 
     child: Ints
@@ -39,20 +42,25 @@ class Feet:
     at_m: Floats
     distance_m: Floats
 
+    def take(self, index: Ints) -> Bindings:
+        """The bindings of some vertices (k,)."""
+        return Bindings(self.child[index], self.share[index], self.at_m[index], self.distance_m[index])
 
-def chosen(feet: Feet, index: Ints) -> Feet:
-    """The feet of some vertices (k,)."""
-    return Feet(feet.child[index], feet.share[index], feet.at_m[index], feet.distance_m[index])
+    def replaced(self, index: Ints, by: Bindings) -> Bindings:
+        """The bindings with those of some vertices (k,) replaced by others (k,); all distances stay."""
+        child, share, at_m = self.child.copy(), self.share.copy(), self.at_m.copy()
+        child[index], share[index], at_m[index] = by.child, by.share, by.at_m
+        return Bindings(child, share, at_m, self.distance_m)
 
-
-def joined(parts: list[Feet]) -> Feet:
-    """The feet of several parts, concatenated."""
-    return Feet(
-        np.concatenate([part.child for part in parts]),
-        np.concatenate([part.share for part in parts]),
-        np.concatenate([part.at_m for part in parts]),
-        np.concatenate([part.distance_m for part in parts]),
-    )
+    @staticmethod
+    def concatenated(parts: Sequence[Bindings]) -> Bindings:
+        """The bindings of several parts, one after the other."""
+        return Bindings(
+            np.concatenate([part.child for part in parts]),
+            np.concatenate([part.share for part in parts]),
+            np.concatenate([part.at_m for part in parts]),
+            np.concatenate([part.distance_m for part in parts]),
+        )
 
 
 @dataclass(frozen=True)
@@ -85,14 +93,14 @@ class Axis:
         """(k,) points that have a parent."""
         return np.flatnonzero(self.parent >= 0)
 
-    def feet(self, points_m: Floats) -> Feet:
-        """The places on the axis that points (v, 3) belong to: of the branch whose bark is nearest."""
+    def nearest(self, points_m: Floats) -> Bindings:
+        """Bindings of points (v, 3) to the nearest places on the branches whose bark is nearest."""
         child = self.links
         start = self.points_m[self.parent[child]]
         along = self.points_m[child] - start
         step = (np.arange(PLACES_PER_LINK) + 0.5) / PLACES_PER_LINK
         places = (start[:, None] + step[:, None] * along[:, None]).reshape(-1, 3)
-        count = min(CANDIDATES, len(places))
+        count = min(COMPARED_PLACES, len(places))
         _, near = KDTree(places).query(points_m, k=count)
         link = near.reshape(len(points_m), count) // PLACES_PER_LINK
         offset = points_m[:, None] - start[link]
@@ -100,23 +108,18 @@ class Axis:
         share = np.clip(np.einsum("vki,vki->vk", offset, along[link]) / squared[link], 0.0, 1.0)
         distance = np.linalg.norm(offset - share[..., None] * along[link], axis=2)
         apart = np.maximum(distance - self.radius_m[child][link], 0.0)
-        row, best = np.arange(len(points_m)), (apart + INSIDE * distance).argmin(axis=1)
-        chosen, at = link[row, best], share[row, best]
-        return Feet(
-            child[chosen],
-            at,
-            start[chosen] + at[:, None] * along[chosen],
-            apart[row, best],
-        )
+        row, best = np.arange(len(points_m)), (apart + AXIS_DISTANCE_WEIGHT * distance).argmin(axis=1)
+        own, at = link[row, best], share[row, best]
+        return Bindings(child[own], at, start[own] + at[:, None] * along[own], apart[row, best])
 
 
 def axis_of_tets(mesh: TetMesh, skeleton: Skeleton) -> Axis:
     """The axis of a tetrahedral mesh: a point moves with the tet around it and turns with its section."""
-    anchors = nearest_tets(skeleton.points_m, mesh)
+    nearest = nearest_tets(skeleton.points_m, mesh)
     rows = np.arange(len(skeleton.points_m) + 1) * 4
     shape = (len(skeleton.points_m), len(mesh.vertices_m))
-    moved = csr_matrix((anchors.weight.ravel(), mesh.tets[anchors.tet].ravel(), rows), shape=shape)
-    section = _sections(mesh, skeleton, anchors.tet)
+    moved = csr_matrix((nearest.weight.ravel(), mesh.tets[nearest.tet].ravel(), rows), shape=shape)
+    section = _sections(mesh, skeleton, nearest.tet)
     turned = csr_matrix(section @ _half_curl(mesh))
     return Axis(skeleton.points_m, skeleton.parent.astype(np.int64), skeleton.radius_m, moved, turned)
 

@@ -1,10 +1,4 @@
-"""Places of neighbouring bark vertices on the axis, brought near to each other.
-
-Where two branches fork, neighbouring vertices are held on different axes, and at places far apart: the whole
-difference of their motion would fall on one edge. A fork hardly bends. So places are moved towards the root
-until no two that are joined by an edge are farther apart along the axis than the edge is long, with some
-allowance.
-"""
+"""Arc lengths along the axis, a tree: where bindings lie, where the paths to two of them part."""
 
 from __future__ import annotations
 
@@ -13,37 +7,29 @@ from functools import cached_property
 
 import numpy as np
 
-from galewood.model.axis import Axis, Feet
+from galewood.skinning.axis import Axis, Bindings
 from galewood.util import Floats, Ints
-
-ALONG, AROUND = 1.3, 0.1
-"""Largest distance of two places along the axis, relative to the length of the edge between their vertices
-along the axis, and to its whole length. The sum is above 1, so that beyond a fork places are again beside
-their vertices."""
-REACH = 4.0
-"""Distance of two places, relative to the radius of the limb, up to which they are brought near."""
-SWEEPS = 200
 
 
 @dataclass(frozen=True)
 class AxisPaths:
-    """Ways along the axis, a tree: points_m (p, 3), parent (p,) with −1 at roots.
+    """Paths from the roots along the axis: points_m (p, 3), parent (p,) with −1 at roots.
 
-    A place is a link, from the parent of ``child`` to it, and ``mark``, its distance from the root.
+    A place is a link, from the parent of ``child`` to it, and an arc length, its distance from the root.
     """
 
     points_m: Floats
     parent: Ints
 
     @cached_property
-    def mark_m(self) -> Floats:
-        """(p,) distance from the root."""
-        mark = np.zeros(len(self.parent))
+    def arc_m(self) -> Floats:
+        """(p,) arc length of each point, m."""
+        arc = np.zeros(len(self.parent))
         for point in self._outwards:
             up = int(self.parent[point])
             if up >= 0:
-                mark[point] = mark[up] + float(np.linalg.norm(self.points_m[point] - self.points_m[up]))
-        return mark
+                arc[point] = arc[up] + float(np.linalg.norm(self.points_m[point] - self.points_m[up]))
+        return arc
 
     @cached_property
     def hops(self) -> Ints:
@@ -88,25 +74,25 @@ class AxisPaths:
     @cached_property
     def line_ends(self) -> Ints:
         """(p,) the end of the longest way on from each point."""
-        end, reach = np.arange(len(self.parent)), self.mark_m.copy()
+        end, reach = np.arange(len(self.parent)), self.arc_m.copy()
         for point in self._outwards[::-1]:
             up = int(self.parent[point])
             if up >= 0 and reach[point] > reach[up]:
                 end[up], reach[up] = end[point], reach[point]
         return end
 
-    def on_way(self, end: Ints, mark: Floats) -> Ints:
-        """The links (v,) at a distance (v,) from the root on the ways to some points (v,)."""
+    def links_towards(self, end: Ints, arc_m: Floats) -> Ints:
+        """The links (v,) at arc lengths (v,) on the paths to some points (v,)."""
         child = np.asarray(end, dtype=np.int64).copy()
         up = np.maximum(self.parent, 0)
         for jump in self._jumps[::-1]:
             far = jump[child]
-            beyond = (self.mark_m[up[far]] > mark) & (self.parent[far] >= 0)
+            beyond = (self.arc_m[up[far]] > arc_m) & (self.parent[far] >= 0)
             child = np.where(beyond, far, child)
-        return self.links(child, mark)
+        return self.links(child, arc_m)
 
-    def meeting(self, one: Ints, other: Ints) -> Ints:
-        """(k,) the last point that the ways from the root to two points have in common; −1: other roots."""
+    def common_ancestors(self, one: Ints, other: Ints) -> Ints:
+        """(k,) the last point that the paths to two points have in common; −1: they have different roots."""
         a = np.where(self.hops[one] >= self.hops[other], one, other)
         b = np.where(self.hops[one] >= self.hops[other], other, one)
         for k in range(len(self._jumps) - 1, -1, -1):
@@ -117,91 +103,37 @@ class AxisPaths:
             a, b = np.where(up_a != up_b, up_a, a), np.where(up_a != up_b, up_b, b)
         return np.where(a == b, a, np.where(self.parent[a] == self.parent[b], self.parent[a], -1))
 
-    def places(self, feet: Feet) -> tuple[Ints, Floats]:
-        """The links (v,) of some feet, and their distance (v,) from the root."""
-        child = np.asarray(feet.child, dtype=np.int64).copy()
-        start = self.mark_m[self.parent[child]]
-        return child, start + feet.share * (self.mark_m[child] - start)
+    def places(self, bindings: Bindings) -> tuple[Ints, Floats]:
+        """The links (v,) of some bindings, and their arc lengths (v,), m."""
+        child = np.asarray(bindings.child, dtype=np.int64).copy()
+        start = self.arc_m[self.parent[child]]
+        return child, start + bindings.share * (self.arc_m[child] - start)
 
-    def feet(self, child: Ints, mark: Floats, distance_m: Floats) -> Feet:
-        """The feet on links (v,) at a distance (v,) from the root."""
+    def bindings(self, child: Ints, arc_m: Floats, distance_m: Floats) -> Bindings:
+        """The bindings to links (v,) at arc lengths (v,)."""
         up = self.parent[child]
-        length = np.maximum(self.mark_m[child] - self.mark_m[up], 1e-300)
-        share = np.clip((mark - self.mark_m[up]) / length, 0.0, 1.0)
+        length = np.maximum(self.arc_m[child] - self.arc_m[up], 1e-300)
+        share = np.clip((arc_m - self.arc_m[up]) / length, 0.0, 1.0)
         at_m = self.points_m[up] + share[:, None] * (self.points_m[child] - self.points_m[up])
-        return Feet(child, share, at_m, distance_m)
+        return Bindings(child, share, at_m, distance_m)
 
-    def links(self, child: Ints, mark: Floats) -> Ints:
+    def links(self, child: Ints, arc_m: Floats) -> Ints:
         """The links on which places lie that were moved from their links towards the root."""
         child = child.copy()
         while True:
             up = self.parent[child]
-            below = (mark < self.mark_m[up]) & (self.parent[up] >= 0)
+            below = (arc_m < self.arc_m[up]) & (self.parent[up] >= 0)
             if not below.any():
                 return child
             child[below] = up[below]
 
     def fork_m(self, one: Ints, first: Floats, other: Ints, second: Floats) -> tuple[Floats, np.ndarray]:
-        """Distance (k,) from the root to where the ways to places part; and whether they have one root."""
-        meet = self.meeting(one, other)
+        """Arc length (k,) at which the paths to two places part; and whether they have one root."""
+        meet = self.common_ancestors(one, other)
         line = (meet == one) | (meet == other)
-        return np.where(line, np.minimum(first, second), self.mark_m[meet]), meet >= 0
+        return np.where(line, np.minimum(first, second), self.arc_m[meet]), meet >= 0
 
 
 def axis_paths(axis: Axis) -> AxisPaths:
-    """The ways along an axis."""
+    """The paths along an axis."""
     return AxisPaths(axis.points_m, np.asarray(axis.parent, dtype=np.int64))
-
-
-def eased(feet: Feet, place_m: Floats, ends: Ints, axis: Axis) -> Feet:
-    """The feet of vertices (v,) at place_m (v, 3), joined by edges (e, 2), near to each other."""
-    paths = axis_paths(axis)
-    child, mark = paths.places(feet)
-    most = _most(feet, place_m, ends, axis)
-    kept = _of_one_fork(child, mark, ends, most, paths, axis)
-    ends, most = ends[kept], most[kept]
-    for _ in range(SWEEPS):
-        first, second = mark[ends[:, 0]], mark[ends[:, 1]]
-        fork, _ = paths.fork_m(child[ends[:, 0]], first, child[ends[:, 1]], second)
-        excess = first + second - 2 * fork - most
-        over = np.flatnonzero(excess > 1e-6 * most + 1e-9)
-        if not len(over):
-            break
-        _move(mark, ends[over], excess[over], fork[over], axis.radius_m[child])
-        child = paths.links(child, mark)
-    return paths.feet(child, mark, feet.distance_m)
-
-
-def _most(feet: Feet, place_m: Floats, ends: Ints, axis: Axis) -> Floats:
-    """(e,) largest distance of the places of edges, m: more along the axis than around it."""
-    edge = place_m[ends[:, 1]] - place_m[ends[:, 0]]
-    length = np.linalg.norm(edge, axis=1)
-    child = feet.child
-    along = axis.points_m[child] - axis.points_m[axis.parent[child]]
-    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
-    lengthwise = np.abs(np.einsum("ei,vei->ve", edge, along[ends.T])).max(axis=0)
-    return ALONG * lengthwise + AROUND * length
-
-
-def _of_one_fork(
-    child: Ints, mark: Floats, ends: Ints, most: Floats, paths: AxisPaths, axis: Axis
-) -> np.ndarray:
-    """(e,) whether the places of edges meet in a fork nearby; limbs grown together meet far below."""
-    first, second = mark[ends[:, 0]], mark[ends[:, 1]]
-    fork, together = paths.fork_m(child[ends[:, 0]], first, child[ends[:, 1]], second)
-    radius_m = axis.radius_m[paths.meeting(child[ends[:, 0]], child[ends[:, 1]])]
-    return together & (first + second - 2 * fork < REACH * radius_m + most)
-
-
-def _move(mark: Floats, ends: Ints, excess: Floats, fork: Floats, radius: Floats) -> None:
-    """Move places of edges (k, 2) towards the root by their excess, that on the thinner branch first."""
-    thin = np.argmin(radius[ends] + 1e-9 * (mark[ends] < fork[:, None] + 1e-12), axis=1)
-    row = np.arange(len(ends))
-    thinner, thicker = ends[row, thin], ends[row, 1 - thin]
-    room = mark[thinner] - fork
-    moved = np.minimum(excess, room)
-    rest = np.minimum(excess - moved, mark[thicker] - fork)
-    target = mark.copy()
-    np.minimum.at(target, thinner, mark[thinner] - moved)
-    np.minimum.at(target, thicker, mark[thicker] - np.maximum(rest, 0.0))
-    mark[:] = target

@@ -1,8 +1,8 @@
-"""Chooses the nodes: points of the axis between which the motion of all others can be interpolated.
+"""Simplification of the axis: points between which the motion of all others can be interpolated.
 
-Along every branch the motion in strong wind is a curve, which is simplified as by Douglas and Peucker (1973):
-the point farthest from the chord becomes a node until none is farther than a tolerance. A branch that stays
-rigid relative to its limb needs no node of its own.
+Along every branch the motion in strong wind is a curve, which is simplified by the method of Douglas and
+Peucker (1973): the point farthest from the chord is kept until none is farther than a tolerance. A branch
+that stays rigid relative to its limb keeps no point of its own.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
-from galewood.table import turned
+from galewood.skinning.node_pose import turned
 from galewood.util import Floats, Ints
 
-RIGID_SHARE = 0.5
+RIGID_TOLERANCE_SHARE = 0.5
 """Tolerance of rigid branches relative to that of interpolation, since they are not seen to bend at all."""
 
 
@@ -48,11 +48,11 @@ class AxisMotion:
     @cached_property
     def lines(self) -> list[Line]:
         """All branches, limbs before what they bear."""
-        return branch_lines(self.points_m, self.parent)
+        return longest_lines(self.points_m, self.parent)
 
-    def off_chord_m(self, points: Ints, mark: Floats) -> Floats:
+    def off_chord_m(self, points: Ints, arc_m: Floats) -> Floats:
         """(len(points),) largest distance of each point from the interpolation between both ends."""
-        share = ((mark - mark[0]) / max(mark[-1] - mark[0], 1e-12))[:, None, None]
+        share = ((arc_m - arc_m[0]) / max(arc_m[-1] - arc_m[0], 1e-12))[:, None, None]
         off = np.zeros(len(points))
         for values, unit in ((self.moved_m, 1.0), (self.turned, self.arm_m)):
             own = values[points]
@@ -70,21 +70,21 @@ class AxisMotion:
 
 
 @dataclass(frozen=True)
-class Knots:
-    """The chosen nodes (n,), points of the axis, and how the other points (p,) refer to them.
+class SimplifiedAxis:
+    """The kept points (n,) of an axis, the nodes, and how all points (p,) refer to them.
 
-    ``line`` is the branch of each point, ``mark_m`` its distance along it from the limb. ``base`` is −1 for
+    ``line`` is the branch of each point, ``arc_m`` its distance along it from the limb. ``base`` is −1 for
     points of a branch that bends, otherwise the node with which the branch is rigid.
     """
 
     nodes: Ints
     lines: list[Line]
     line: Ints
-    mark_m: Floats
+    arc_m: Floats
     base: Ints
 
 
-def branch_lines(points_m: Floats, parent: Ints) -> list[Line]:
+def longest_lines(points_m: Floats, parent: Ints) -> list[Line]:
     """The branches of an axis, limbs first; at a fork the longest continuation goes on.
 
     Parents precede their children in the arrays.
@@ -108,45 +108,45 @@ def branch_lines(points_m: Floats, parent: Ints) -> list[Line]:
     return lines
 
 
-def choose_knots(motion: AxisMotion, tolerance_m: float, max_nodes: int) -> Knots:
+def simplify_axis(motion: AxisMotion, tolerance_m: float, max_nodes: int) -> SimplifiedAxis:
     """Nodes from which all points follow within the tolerance, or within the least that max_nodes allow."""
     while True:
-        knots = _knots(motion, tolerance_m)
-        if len(knots.nodes) <= max_nodes:
-            return knots
+        simplified = _simplified(motion, tolerance_m)
+        if len(simplified.nodes) <= max_nodes:
+            return simplified
         tolerance_m *= 1.25
 
 
-def _knots(motion: AxisMotion, tolerance_m: float) -> Knots:
+def _simplified(motion: AxisMotion, tolerance_m: float) -> SimplifiedAxis:
     count = len(motion.points_m)
     line_of, base = np.zeros(count, np.int64), np.full(count, -1, np.int64)
-    mark, is_node = np.zeros(count), np.zeros(count, bool)
+    arc, is_node = np.zeros(count), np.zeros(count, bool)
     for number, line in enumerate(motion.lines):
-        length = _lengths(motion.points_m[line.points])
+        length = _arc_lengths(motion.points_m[line.points])
         line_of[line.own] = number
-        mark[line.own] = length[-len(line.own) :]
+        arc[line.own] = length[-len(line.own) :]
         if line.limb >= 0:
-            held = int(base[line.limb]) if base[line.limb] >= 0 else line.limb
-            if motion.off_rigid_m(line.own, held) < RIGID_SHARE * tolerance_m:
-                base[line.own] = held
-                is_node[held] = True
+            bearing = int(base[line.limb]) if base[line.limb] >= 0 else line.limb
+            if motion.off_rigid_m(line.own, bearing) < RIGID_TOLERANCE_SHARE * tolerance_m:
+                base[line.own] = bearing
+                is_node[bearing] = True
                 continue
-        is_node[line.points[_simplified(motion, line.points, length, tolerance_m)]] = True
-    return Knots(np.flatnonzero(is_node), motion.lines, line_of, mark, base)
+        is_node[line.points[_douglas_peucker(motion, line.points, length, tolerance_m)]] = True
+    return SimplifiedAxis(np.flatnonzero(is_node), motion.lines, line_of, arc, base)
 
 
-def _lengths(points_m: Floats) -> Floats:
+def _arc_lengths(points_m: Floats) -> Floats:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points_m, axis=0), axis=1))])
 
 
-def _simplified(motion: AxisMotion, points: Ints, mark: Floats, tolerance_m: float) -> Ints:
-    """Indices of the points of a branch at which the motion is kept."""
+def _douglas_peucker(motion: AxisMotion, points: Ints, arc: Floats, tolerance_m: float) -> Ints:
+    """Indices of the points of a branch that are kept."""
     kept, open_ = {0, len(points) - 1}, [(0, len(points) - 1)]
     while open_:
         first, last = open_.pop()
         if last - first < 2:
             continue
-        off = motion.off_chord_m(points[first : last + 1], mark[first : last + 1])
+        off = motion.off_chord_m(points[first : last + 1], arc[first : last + 1])
         worst = int(off.argmax())
         if off[worst] > tolerance_m:
             kept.add(first + worst)

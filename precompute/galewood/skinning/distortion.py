@@ -1,4 +1,4 @@
-"""What is drawn at a sway of a fifth of the height: stretch of wood and leaves, gaps between them."""
+"""Distortion of a skinned tree at a sway of a fifth of its height: stretch of edges, gaps at attachments."""
 
 from __future__ import annotations
 
@@ -9,29 +9,46 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import KDTree
 
-from galewood.mesh import RenderPrimitive, TreeMesh
-from galewood.model import edge_points, foliage_pieces
-from galewood.table import Table, drawn_positions
+from galewood.mesh import RenderPrimitive, TreeMesh, unique_edges
+from galewood.skinning.attachment import PIECE_SAMPLES, SUPPORT_SAMPLES, edge_samples
+from galewood.skinning.embedding import foliage_pieces
+from galewood.skinning.node_pose import SkinLike, drawn_positions
 from galewood.util import Floats, Ints
 
-SWAY = 0.2
+FIGURE_SWAY = 0.2
 """Displacement of the top over the height at which the figures are taken."""
 HEADINGS = 8
 SHORTEST_EDGE = 1e-6
 """Relative to the height; shorter edges are not measured."""
-TYPICAL, WORST = 99.9, 100.0
-BARK_SAMPLES, LEAF_SAMPLES = 400, 200
-"""What bears and what is borne are sampled at these fractions of the height."""
-CONTACTS = 16
-"""Nearest points of wood and twigs that are compared with a point of a leaf."""
-TOUCH = 0.003
+TYPICAL_PERCENTILE, WORST_PERCENTILE = 99.9, 100.0
+COMPARED_SUPPORTS = 16
+"""Nearest samples of wood and twigs that are compared with a sample of a leaf."""
+TOUCH_DISTANCE = 0.003
 """A piece touches what is at most this much farther away than what is nearest, relative to the height."""
-APART = 0.01
+DETACHED_DISTANCE = 0.01
 """A piece that is farther from all drawn wood, relative to the height, may hang on wood that is not drawn."""
 
 
-class DrawnFigures:
-    """The figures of a tree's tables; what depends on the mesh alone is computed once."""
+def farthest_poses(q: Floats, top: Floats, sway_m: float) -> Floats:
+    """(k, f) the pose of the farthest sway towards each of several headings, scaled to the same sway, m.
+
+    ``q`` (T, f) are the poses to choose from, ``top`` (3, f) the displacement of the tree's top, m, per unit
+    of each coordinate.
+    """
+    moved = q @ top.T
+    sway = np.linalg.norm(moved, axis=1)
+    heading = np.floor((np.arctan2(moved[:, 2], moved[:, 0]) / (2 * np.pi) + 1) * HEADINGS) % HEADINGS
+    poses: list[Floats] = [np.zeros((0, q.shape[1]))]
+    for number in range(HEADINGS):
+        own = np.flatnonzero((heading == number) & (sway > 1e-9))
+        if len(own):
+            far = int(own[sway[own].argmax()])
+            poses.append(q[far : far + 1] * (sway_m / sway[far]))
+    return np.concatenate(poses)
+
+
+class Distortion:
+    """Measures the distortion of a tree's tables; what depends on the mesh alone is computed once."""
 
     def __init__(self, tree: TreeMesh) -> None:
         """``tree``: the drawn mesh."""
@@ -52,44 +69,47 @@ class DrawnFigures:
         return _Edges(self._tree, self.rest_m)
 
     @cached_property
-    def _hanging(self) -> _Hanging:
-        return _Hanging(self._tree)
+    def contacts(self) -> list[tuple[str, Contacts]]:
+        """What the pieces of each primitive of twigs and leaves attach to, with its kind; twigs first."""
+        return _contacts(self._tree)
 
-    def of(self, table: Table, q: Sequence[Floats]) -> dict[str, float]:
-        """Figures of a table over poses of its training runs q (T, f), each scaled to the same sway.
+    def of(self, skin: SkinLike, q: Sequence[Floats]) -> dict[str, float]:
+        """Figures of a skin over poses of its training runs q (T, f), each scaled to the same sway.
 
         ``stretch``: length of an edge over its length at rest (99.9th percentile, and the worst), of wood,
         twigs and leaves; ``gap``: distance by which a twig or leaf leaves what it hangs on, over the height.
         """
-        worst: dict[str, float] = {"sway": SWAY}
-        for pose in self.far_poses(table, q):
-            figures = self.between(self.rest_m, drawn_positions(table, self.rest_m, pose))
+        worst: dict[str, float] = {"sway": FIGURE_SWAY}
+        for pose in self.far_poses(skin, q):
+            figures = self.between(self.rest_m, drawn_positions(skin, self.rest_m, pose))
             for name, value in figures.items():
                 worst[name] = max(worst.get(name, 0.0), round(value, 5))
         return worst
 
-    @property
-    def contacts(self) -> list[tuple[str, Contacts]]:
-        """What the pieces of each primitive of twigs and leaves hang on, with its kind; twigs first."""
-        return self._hanging.contacts
+    def far_poses(self, skin: SkinLike, q: Sequence[Floats]) -> Floats:
+        """The poses (k, r) in which the figures are taken, for training runs q (T, f)."""
+        every = np.concatenate(q)
+        modes = every.shape[1]
+        top = skin.node_basis[int(skin.node_rest_m[:, 1].argmax()), :, :modes].astype(np.float64)
+        poses = farthest_poses(every, top, FIGURE_SWAY * self._tree.height_m)
+        return np.pad(poses, ((0, 0), (0, skin.node_basis.shape[2] - modes)))
 
-    def far_poses(self, table: Table, q: Sequence[Floats]) -> list[Floats]:
-        """The poses (r,) in which the figures are taken, for training runs q (T, f)."""
-        return _far_poses(table, q)
-
-    def gaps(self, table: Table, contacts: Contacts, poses: Sequence[Floats]) -> Floats:
-        """(p,) the largest gap of each piece in some poses (r,), over the height."""
-        found = [contacts.gaps_m(self.rest_m, drawn_positions(table, self.rest_m, pose)) for pose in poses]
+    def gaps(self, skin: SkinLike, contacts: Contacts, poses: Floats) -> Floats:
+        """(p,) the largest gap of each piece in some poses (k, r), over the height."""
+        found = [contacts.gaps_m(self.rest_m, drawn_positions(skin, self.rest_m, pose)) for pose in poses]
         return np.array(found).max(axis=0, initial=0.0) / self._tree.height_m
 
     def between(self, rest_m: Floats, now_m: Floats) -> dict[str, float]:
         """The figures of one pose, from the positions of the vertices (v, 3) at rest and now."""
-        edges = self._edges.figures(rest_m, now_m)
-        return edges | self._hanging.figures(rest_m, now_m, self._tree.height_m)
+        figures = self._edges.figures(rest_m, now_m)
+        for kind, contacts in self.contacts:
+            gap = float(contacts.gaps_m(rest_m, now_m).max()) / self._tree.height_m
+            figures[f"{kind}_gap"] = max(gap, figures.get(f"{kind}_gap", 0.0))
+        return figures
 
 
-def drawn_words(figures: Mapping[str, float]) -> str:
-    """The figures of ``DrawnFigures.of`` in one line for a reader; empty if there are none."""
+def distortion_line(figures: Mapping[str, float]) -> str:
+    """The figures of ``Distortion.of`` in one line for a reader; empty if there are none."""
     if "wood_stretch" not in figures:
         return ""
     typical, worst = figures["wood_stretch"], figures["wood_stretch_worst"]
@@ -101,31 +121,13 @@ def drawn_words(figures: Mapping[str, float]) -> str:
     )
 
 
-def _far_poses(table: Table, q: Sequence[Floats]) -> list[Floats]:
-    """The poses (r,) of the farthest sway towards each of several headings, scaled to SWAY."""
-    every = np.concatenate(q)
-    top = table.node_basis[int(table.node_rest_m[:, 1].argmax()), :, : every.shape[1]].astype(np.float64)
-    moved = every @ top.T
-    sway = np.linalg.norm(moved, axis=1)
-    heading = np.floor((np.arctan2(moved[:, 2], moved[:, 0]) / (2 * np.pi) + 1) * HEADINGS) % HEADINGS
-    poses: list[Floats] = []
-    for number in range(HEADINGS):
-        own = np.flatnonzero((heading == number) & (sway > 1e-9))
-        if len(own):
-            far = int(own[sway[own].argmax()])
-            pose = np.zeros(len(table.mode_scale))
-            pose[: every.shape[1]] = every[far] * (SWAY * float(table.metadata["height_m"]) / sway[far])
-            poses.append(pose)
-    return poses
-
-
 class _Edges:
     """Edges of all primitives by kind."""
 
     def __init__(self, tree: TreeMesh, rest_m: Floats) -> None:
         first, found = 0, dict[str, list[Ints]]()
         for primitive in tree.primitives:
-            found.setdefault(primitive.kind, []).append(_edges(primitive.faces) + first)
+            found.setdefault(primitive.kind, []).append(unique_edges(primitive.faces) + first)
             first += len(primitive.positions_m)
         shortest_m = SHORTEST_EDGE * tree.height_m
         self._edges: dict[str, Ints] = {}
@@ -142,26 +144,20 @@ class _Edges:
                 continue
             before, after = (np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1) for x in (rest_m, now_m))
             ratio = after / before
-            figures[f"{kind}_stretch"] = float(np.percentile(ratio, TYPICAL))
-            figures[f"{kind}_stretch_worst"] = float(np.percentile(ratio, WORST))
+            figures[f"{kind}_stretch"] = float(np.percentile(ratio, TYPICAL_PERCENTILE))
+            figures[f"{kind}_stretch_worst"] = float(np.percentile(ratio, WORST_PERCENTILE))
         return figures
-
-
-def _edges(faces: Ints) -> Ints:
-    """(e, 2) edges of triangles (m, 3), each once."""
-    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    return np.unique(np.sort(ends, axis=1), axis=0)
 
 
 @dataclass(frozen=True)
 class Contacts:
-    """Points of pieces beside what may bear them: c pairs of points on edges."""
+    """Samples of the edges of pieces beside those of their supports: c pairs of points on edges."""
 
     piece: Ints  # (c,)
     ends: Ints  # (c, 2) vertices between which the piece's point lies
     share: Floats  # (c,) share of the second
-    bearer_ends: Ints  # (c, 2) the same of the bearer's point
-    bearer_share: Floats  # (c,)
+    support_ends: Ints  # (c, 2) the same of the support's point
+    support_share: Floats  # (c,)
     of_vertex: Ints  # (n,) piece of each vertex of the primitive
     first: int  # number of its first vertex
 
@@ -172,7 +168,7 @@ class Contacts:
     def distance_m(self, place_m: Floats) -> Floats:
         """(c,) distance of each pair, for vertices at place_m (v, 3)."""
         own = _between(place_m, self.ends, self.share)
-        return np.linalg.norm(own - _between(place_m, self.bearer_ends, self.bearer_share), axis=1)
+        return np.linalg.norm(own - _between(place_m, self.support_ends, self.support_share), axis=1)
 
     def gaps_m(self, rest_m: Floats, now_m: Floats) -> Floats:
         """(p,) distance by which each piece has moved from or into all that it touches."""
@@ -182,65 +178,56 @@ class Contacts:
         return np.where(np.isfinite(least), least, 0.0)
 
 
-class _Hanging:
-    """What the pieces of twigs and leaves hang on: twigs on wood, leaves on wood or twigs.
+def _contacts(tree: TreeMesh) -> list[tuple[str, Contacts]]:
+    """Contacts of each primitive of twigs with wood, and of each of leaves with wood or twigs.
 
     A piece hangs on what it is nearest to. If it touches several, it hangs on the one that it follows. One
     that hangs on wood that is not drawn, away from all that is, has nothing to leave a gap to.
     """
-
-    def __init__(self, tree: TreeMesh) -> None:
-        starts = np.cumsum([0, *(len(p.positions_m) for p in tree.primitives)])[:-1].tolist()
-        parts = [(p, first) for p, first in zip(tree.primitives, starts, strict=True) if len(p.faces)]
-        self.contacts: list[tuple[str, Contacts]] = []
-        for kind, bearers in (("twigs", ("wood",)), ("leaves", ("wood", "twigs"))):
-            own = [part for part in parts if part[0].kind == kind]
-            bearing = [part for part in parts if part[0].kind in bearers]
-            if own and bearing:
-                bark = _Bark(bearing, tree.height_m, tree.added_wood())
-                contacts = [(kind, bark.contacts(*part)) for part in own]
-                self.contacts += [found for found in contacts if len(found[1].piece)]
-
-    def figures(self, rest_m: Floats, now_m: Floats, height_m: float) -> dict[str, float]:
-        """Largest gap of each kind between two positions of the vertices (v, 3), over the height."""
-        figures: dict[str, float] = {}
-        for kind, contacts in self.contacts:
-            gap = float(contacts.gaps_m(rest_m, now_m).max()) / height_m
-            figures[f"{kind}_gap"] = max(gap, figures.get(f"{kind}_gap", 0.0))
-        return figures
+    starts = np.cumsum([0, *(len(p.positions_m) for p in tree.primitives)])[:-1].tolist()
+    parts = [(p, first) for p, first in zip(tree.primitives, starts, strict=True) if len(p.faces)]
+    found: list[tuple[str, Contacts]] = []
+    for kind, supporting in (("twigs", ("wood",)), ("leaves", ("wood", "twigs"))):
+        own = [part for part in parts if part[0].kind == kind]
+        bearing = [part for part in parts if part[0].kind in supporting]
+        if own and bearing:
+            supports = _SupportEdges(bearing, tree.height_m, tree.added_wood())
+            contacts = [(kind, supports.contacts(*part)) for part in own]
+            found += [one for one in contacts if len(one[1].piece)]
+    return found
 
 
-class _Bark:
-    """Edges on which pieces hang, found by points on them."""
+class _SupportEdges:
+    """Edges on which pieces hang, found by samples of them."""
 
     def __init__(
         self, parts: list[tuple[RenderPrimitive, int]], height_m: float, added: RenderPrimitive | None
     ) -> None:
-        self._height_m = height_m
-        self._added = KDTree(edge_points(added, height_m / BARK_SAMPLES).place_m) if added else None
-        points = [edge_points(primitive, height_m / BARK_SAMPLES) for primitive, _ in parts]
-        self._ends = np.concatenate([p.ends + first for p, (_, first) in zip(points, parts, strict=True)])
-        self._share = np.concatenate([p.share for p in points])
-        self._tree = KDTree(np.concatenate([p.place_m for p in points]))
+        self._height_m, step_m = height_m, height_m / SUPPORT_SAMPLES
+        self._added = KDTree(edge_samples(added, step_m).place_m) if added else None
+        samples = [edge_samples(primitive, step_m) for primitive, _ in parts]
+        self._ends = np.concatenate([s.ends + first for s, (_, first) in zip(samples, parts, strict=True)])
+        self._share = np.concatenate([s.share for s in samples])
+        self._tree = KDTree(np.concatenate([s.place_m for s in samples]))
 
     def contacts(self, primitive: RenderPrimitive, first: int) -> Contacts:
         """The pairs of the pieces of a primitive whose vertices begin at ``first``."""
-        points = edge_points(primitive, self._height_m / LEAF_SAMPLES)
-        count = min(CONTACTS, len(self._ends))
-        distance, near = (x.reshape(-1, count) for x in self._tree.query(points.place_m, k=count))
+        samples = edge_samples(primitive, self._height_m / PIECE_SAMPLES)
+        count = min(COMPARED_SUPPORTS, len(self._ends))
+        distance, near = (x.reshape(-1, count) for x in self._tree.query(samples.place_m, k=count))
         of_vertex = foliage_pieces(primitive)
-        piece = of_vertex[points.ends[:, 0]]
+        piece = of_vertex[samples.ends[:, 0]]
         least = np.full(int(piece.max()) + 1, np.inf)
         np.minimum.at(least, piece, distance[:, 0])
-        least[self._on_added(points.place_m, piece, least)] = -np.inf
-        row, column = np.nonzero(distance <= least[piece][:, None] + TOUCH * self._height_m)
-        bearer = near[row, column]
+        least[self._on_added(samples.place_m, piece, least)] = -np.inf
+        row, column = np.nonzero(distance <= least[piece][:, None] + TOUCH_DISTANCE * self._height_m)
+        support = near[row, column]
         return Contacts(
             piece[row],
-            points.ends[row] + first,
-            points.share[row],
-            self._ends[bearer],
-            self._share[bearer],
+            samples.ends[row] + first,
+            samples.share[row],
+            self._ends[support],
+            self._share[support],
             of_vertex,
             first,
         )
@@ -251,7 +238,7 @@ class _Bark:
             return np.zeros(len(drawn_m), bool)
         least = np.full(len(drawn_m), np.inf)
         np.minimum.at(least, piece, self._added.query(place_m)[0])
-        return (least < drawn_m) & (drawn_m > APART * self._height_m)
+        return (least < drawn_m) & (drawn_m > DETACHED_DISTANCE * self._height_m)
 
 
 def _between(place_m: Floats, ends: Ints, share: Floats) -> Floats:

@@ -1,8 +1,9 @@
-"""Binding of rendered to simulated geometry: barycentric weights of render vertices in the tetrahedra.
+"""Embedding of rendered in simulated geometry: barycentric weights of render vertices in the tetrahedra.
 
 Wood vertices follow the tet that contains them. Each connected piece of foliage or twigs follows the single
 point where it is nearest to the wood, so that leaf cards are not deformed. Only pieces as large as a crown
-follow the wood vertex by vertex.
+follow the wood vertex by vertex. The embedding decides where masses, wind and pulls act; what is drawn is
+bound to the axis (``galewood.skinning.vertex_bindings``).
 """
 
 from __future__ import annotations
@@ -10,45 +11,45 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, vstack
 from scipy.spatial import KDTree
 
 from galewood.mesh import RenderPrimitive, Surface, TreeMesh, face_components, weld_keeping_faces
 from galewood.tets import TetMesh
 from galewood.util import Floats, Ints, Singles
 
-CANDIDATES = 24
-CROWN_SIZE = 0.15  # relative to the height; larger pieces of foliage are not rigid
-CROWN_NEIGHBOURS = 8
-CHUNK = 20_000
+COMPARED_TETS = 24
+LARGEST_RIGID_PIECE = 0.15  # relative to the height; larger pieces of foliage are deformed
+BLENDED_TETS = 8
+CHUNK_POINTS = 20_000
 INSIDE_M = 1e-9  # rounding of the distance of a point inside a tetrahedron
 
 
 @dataclass(frozen=True)
-class Anchors:
-    """Attachment of points: tet (n,), barycentric weights (n, 4), distance in metres (n,)."""
+class EmbeddedPoints:
+    """Points in the nearest tets: tet (n,), barycentric weights (n, 4), distance_m (n,) from it."""
 
     tet: Ints
     weight: Floats
     distance_m: Floats
 
 
-def render_binding(tree: TreeMesh, mesh: TetMesh) -> csr_matrix:
+def render_embedding(tree: TreeMesh, mesh: TetMesh) -> csr_matrix:
     """Weights (render vertices × tet vertices), rows summing to one, primitives in the tree's order."""
-    anchors = [_anchor_primitive(_as_stored(primitive), tree.height_m, mesh) for primitive in tree.primitives]
-    return _matrix(anchors, mesh)
+    parts = [_embedded(as_stored(primitive), tree.height_m, mesh) for primitive in tree.primitives]
+    return _matrix(parts, mesh)
 
 
-def points_binding(points_m: Floats | Singles, mesh: TetMesh) -> csr_matrix:
+def points_embedding(points_m: Floats | Singles, mesh: TetMesh) -> csr_matrix:
     """Weights (points × tet vertices) of points (n, 3) in the wood."""
-    anchors = nearest_tets(np.asarray(points_m, np.float64), mesh)
-    return _matrix([(mesh.tets[anchors.tet], anchors.weight)], mesh)
+    points = nearest_tets(np.asarray(points_m, np.float64), mesh)
+    return _matrix([(mesh.tets[points.tet], points.weight)], mesh)
 
 
-def _as_stored(primitive: RenderPrimitive) -> RenderPrimitive:
+def as_stored(primitive: RenderPrimitive) -> RenderPrimitive:
     """The primitive with positions rounded to 32 bits, as stored in the render mesh.
 
-    A leaf equally near to two twigs is then bound to the same one when that file is read again.
+    A leaf equally near to two twigs then follows the same one when that file is read again.
     """
     return replace(primitive, positions_m=primitive.positions_m.astype(np.float32).astype(np.float64))
 
@@ -60,29 +61,23 @@ def _matrix(parts: list[tuple[Ints, Floats]], mesh: TetMesh) -> csr_matrix:
         pointer = np.arange(len(index) + 1) * index.shape[1]
         shape = (len(index), len(mesh.vertices_m))
         rows.append(csr_matrix((weight.ravel(), index.ravel(), pointer), shape=shape))
-    total = _stacked(rows)
+    total = csr_matrix(vstack(rows, format="csr"))
     total.sum_duplicates()
     total.eliminate_zeros()
     return total
 
 
-def _stacked(rows: list[csr_matrix]) -> csr_matrix:
-    from scipy.sparse import vstack
-
-    return csr_matrix(vstack(rows, format="csr"))
-
-
-def _anchor_primitive(primitive: RenderPrimitive, height_m: float, mesh: TetMesh) -> tuple[Ints, Floats]:
+def _embedded(primitive: RenderPrimitive, height_m: float, mesh: TetMesh) -> tuple[Ints, Floats]:
+    points = nearest_tets(primitive.positions_m, mesh)
     if primitive.kind == "wood":
-        anchors = nearest_tets(primitive.positions_m, mesh)
-        return mesh.tets[anchors.tet], anchors.weight
+        return mesh.tets[points.tet], points.weight
     pieces = foliage_pieces(primitive)
-    anchors = nearest_tets(primitive.positions_m, mesh)
-    index, weight = _rigid(anchors, pieces, mesh)
-    large = piece_size(primitive.positions_m, pieces) > CROWN_SIZE * height_m
+    leader = nearest_of_pieces(points.distance_m, pieces)[pieces]
+    index, weight = mesh.tets[points.tet[leader]], points.weight[leader]
+    large = piece_size(primitive.positions_m, pieces) > LARGEST_RIGID_PIECE * height_m
     if large.any():
         loose = large[pieces]
-        index, weight = _padded(index, weight, 4 * CROWN_NEIGHBOURS)
+        index, weight = _padded(index, weight, 4 * BLENDED_TETS)
         index[loose], weight[loose] = _blended(primitive.positions_m[loose], mesh)
     return index, weight
 
@@ -117,9 +112,16 @@ def nearest_of_pieces(distance_m: Floats, piece: Ints) -> Ints:
     return order[first].astype(np.int32)
 
 
-def _rigid(anchors: Anchors, piece: Ints, mesh: TetMesh) -> tuple[Ints, Floats]:
-    holder = nearest_of_pieces(anchors.distance_m, piece)[piece]
-    return mesh.tets[anchors.tet[holder]].copy(), anchors.weight[holder].copy()
+def leading_vertices(primitive: RenderPrimitive, distance_m: Floats, largest_m: float) -> Ints:
+    """The vertex (n,) that each vertex of foliage or twigs follows: that of its piece nearest to the wood.
+
+    ``distance_m`` (n,) are the distances from the wood. Vertices of pieces larger than ``largest_m`` follow
+    themselves.
+    """
+    piece = foliage_pieces(primitive)
+    leader = nearest_of_pieces(distance_m, piece)[piece]
+    loose = piece_size(primitive.positions_m, piece) > largest_m
+    return np.where(loose[piece], np.arange(len(piece)), leader)
 
 
 def _padded(index: Ints, weight: Floats, width: int) -> tuple[Ints, Floats]:
@@ -129,28 +131,29 @@ def _padded(index: Ints, weight: Floats, width: int) -> tuple[Ints, Floats]:
 
 def _blended(positions_m: Floats, mesh: TetMesh) -> tuple[Ints, Floats]:
     """Distance-weighted mean motion of the nearest tets: a closed crown follows without tearing."""
-    count = min(CROWN_NEIGHBOURS, len(mesh.tets))
+    count = min(BLENDED_TETS, len(mesh.tets))
     gap, near = KDTree(mesh.vertices_m[mesh.tets].mean(axis=1)).query(positions_m, k=count)
     gap, near = gap.reshape(len(positions_m), -1), near.reshape(len(positions_m), -1)
     share = 1.0 / np.maximum(gap, 1e-9) ** 2
     share /= share.sum(axis=1, keepdims=True)
     index = mesh.tets[near].reshape(len(positions_m), -1)
-    return _padded(index, np.repeat(share / 4.0, 4, axis=1), 4 * CROWN_NEIGHBOURS)
+    return _padded(index, np.repeat(share / 4.0, 4, axis=1), 4 * BLENDED_TETS)
 
 
-def nearest_tets(points_m: Floats, mesh: TetMesh) -> Anchors:
+def nearest_tets(points_m: Floats, mesh: TetMesh) -> EmbeddedPoints:
     """The tet that contains or is nearest to each point (n, 3), with clamped barycentric weights."""
-    parts = [_nearest_chunk(points_m[i : i + CHUNK], mesh) for i in range(0, len(points_m), CHUNK)]
-    return Anchors(
+    starts = range(0, len(points_m), CHUNK_POINTS)
+    parts = [_nearest_chunk(points_m[start : start + CHUNK_POINTS], mesh) for start in starts]
+    return EmbeddedPoints(
         np.concatenate([p.tet for p in parts]),
         np.concatenate([p.weight for p in parts]),
         np.concatenate([p.distance_m for p in parts]),
     )
 
 
-def _nearest_chunk(points_m: Floats, mesh: TetMesh) -> Anchors:
+def _nearest_chunk(points_m: Floats, mesh: TetMesh) -> EmbeddedPoints:
     corners = mesh.vertices_m[mesh.tets]
-    count = min(CANDIDATES, len(mesh.tets))
+    count = min(COMPARED_TETS, len(mesh.tets))
     _, near = KDTree(corners.mean(axis=1)).query(points_m, k=count)
     near = near.reshape(len(points_m), -1)
     inverse = np.linalg.inv((corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1))
@@ -161,4 +164,4 @@ def _nearest_chunk(points_m: Floats, mesh: TetMesh) -> Anchors:
     gap = np.linalg.norm(np.einsum("nkc,nkcd->nkd", weight, corners[near]) - points_m[:, None], axis=2)
     best = np.argmin(gap, axis=1)
     row = np.arange(len(points_m))
-    return Anchors(near[row, best].astype(np.int32), weight[row, best], gap[row, best])
+    return EmbeddedPoints(near[row, best].astype(np.int32), weight[row, best], gap[row, best])

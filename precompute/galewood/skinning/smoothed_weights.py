@@ -1,9 +1,10 @@
-"""Places that hold the bark, chosen so that no edge is drawn much longer than at rest in a far bend.
+"""Smoothing of the skinning weights, so that no edge is drawn much longer than at rest in a far bend.
 
 The outer side of a thick limb stretches where it bends in one place, and the skin of a fork where its
-branches bend apart. In given poses, vertices of edges that are stretched too far are held a little nearer to
-each other along the axis, one neighbour after the other, if that shortens the longest edge around them. So a
-bend is spread over more edges.
+branches bend apart. Once the motion of a tree is known, vertices of edges that are stretched too far in far
+poses are bound a little nearer to each other along the axis, one neighbour after the other, if that shortens
+the longest edge around them (relaxation). So a bend is spread over more edges. Between those passes all are
+moved at once (``galewood.skinning.stretch_minimisation``).
 """
 
 from __future__ import annotations
@@ -12,51 +13,91 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from galewood.model import Axis, AxisPaths, Feet, WeldedWood, axis_paths
-from galewood.reduction.nodes import JOINTS_PER_LINK
-from galewood.reduction.spread_bends import AxisPoses, Skin, drawn_at, spread
-from galewood.table import unstretched
+from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.skinning.axis import Axis, Bindings
+from galewood.skinning.axis_paths import AxisPaths, axis_paths
+from galewood.skinning.distortion import FIGURE_SWAY, farthest_poses
+from galewood.skinning.embedding import piece_size
+from galewood.skinning.skin import JOINTS_PER_LINK
+from galewood.skinning.stretch_minimisation import (
+    SLIDING_RINGS,
+    AxisPoses,
+    EdgeMesh,
+    StretchMinimisation,
+    axis_poses,
+    posed_positions,
+)
+from galewood.skinning.vertex_bindings import vertex_bindings
+from galewood.skinning.wood_bindings import WeldedPrimitive, welded_primitive
 from galewood.util import Floats, Ints
 
-CALM = 1.03
-"""Length of an edge, relative to rest, from which its vertices are held nearer to each other."""
-ROUNDS = 200
-PASSES = 2
-"""Times that the places of all vertices are slid at once, between those one by one."""
-SHARES = (0.15, 0.4, 0.8)
-"""Parts of the way to a neighbour's place that are tried."""
-GAIN = 1e-4
-TORN, SMALL = 1.1, 0.06
-"""A piece smaller than this, relative to the extent, is held at one place if it is still stretched so."""
-SEED = 20
+LARGEST_STRETCH = 1.03
+"""Length of an edge, relative to rest, from which its vertices are bound nearer to each other."""
+MOST_ROUNDS = 200
+MINIMISATION_PASSES = 2
+"""Times that all bindings are moved at once, between relaxations one by one."""
+STEP_SHARES = (0.15, 0.4, 0.8)
+"""Parts of the way to a neighbour's binding that are tried."""
+LEAST_GAIN = 1e-4
+TORN_STRETCH, SMALL_PIECE = 1.1, 0.06
+"""A piece smaller than this, relative to the extent, is bound to one place if it is still stretched so."""
+RELAXATION_SEED = 20
 TRIES, FEW_EDGES = 3, 1500
 """A mesh of few edges is tried several times, in other orders: the best is taken."""
-SHORTEST = 1e-6
+SHORTEST_EDGE = 1e-6
 """Relative to the extent; shorter edges are not measured."""
 
 
-def drawn_poses(axis: Axis, basis: Floats, poses: Floats) -> AxisPoses:
-    """The poses (k, r) of a model's particles with the modes ``basis`` (N, 3, r), as they are drawn.
+def smoothed_bindings(tree: TreeMesh, axis: Axis, basis: Floats, q: Floats) -> Bindings:
+    """The bindings of every render vertex of a tree, with smoothed weights of its wood and fronds.
 
-    Links that are too long are shortened, as between the nodes of a table (``galewood.table.unstretched``).
+    Args:
+        tree: The drawn mesh.
+        axis: Its axis.
+        basis: Modes (N, 3, r) of the model's particles.
+        q: Training runs (T, r). Their farthest sways, scaled to a fifth of the height, are the poses in which
+            no edge shall stretch much.
     """
-    moved, stretch = unstretched(axis.points_m, axis.parent, axis.displacement(basis) @ poses.T)
-    return AxisPoses(moved, (axis.rotation(basis) @ poses.T) / stretch[:, None])
+    top = axis.displacement(basis)[int(axis.points_m[:, 1].argmax())]
+    poses = axis_poses(axis, basis, farthest_poses(q, top, FIGURE_SWAY * tree.height_m))
+
+    def smoothing(part: RenderPrimitive, bindings: Bindings, fixed: Ints) -> Bindings:
+        if not len(part.faces):
+            return bindings
+        welded = welded_primitive(part)
+        fixed = np.unique(welded.same[fixed])
+        return smoothed_weights(welded, bindings.take(welded.first), axis, poses, fixed).take(welded.same)
+
+    return vertex_bindings(tree, axis, smoothing)
 
 
-def calmed(wood: WeldedWood, feet: Feet, axis: Axis, poses: AxisPoses, still: Ints | None = None) -> Feet:
-    """The feet of welded vertices (w,), held nearer to each other where edges are stretched.
+def smoothed_weights(
+    welded: WeldedPrimitive, bindings: Bindings, axis: Axis, poses: AxisPoses, fixed: Ints | None = None
+) -> Bindings:
+    """The bindings of welded vertices (w,), nearer to each other where edges are stretched in some poses.
 
-    Some vertices ``still`` (k,) stay where they are held, such as those of a frond that touch the trunk.
+    Some vertices ``fixed`` (k,) keep their bindings, such as those of a frond that touch the trunk.
     """
-    tries = TRIES if len(wood.ends) < FEW_EDGES else 1
-    paths, kept = axis_paths(axis), np.zeros(len(wood.place_m), bool)
-    kept[still if still is not None else []] = True
-    found = [_calmed(_Bark(wood, paths, poses, feet, kept), SEED + number) for number in range(tries)]
-    best = min(found, key=lambda bark: float(bark.ratio.max(initial=0.0)))
-    if still is None or not len(still):
-        best.hold_small_pieces()
-    return best.feet(feet.distance_m)
+    tries = TRIES if len(welded.ends) < FEW_EDGES else 1
+    paths, is_fixed = axis_paths(axis), np.zeros(len(welded.place_m), bool)
+    is_fixed[fixed if fixed is not None else []] = True
+    found = [
+        _smoothed(_Relaxation(welded, paths, poses, bindings, is_fixed), RELAXATION_SEED + number)
+        for number in range(tries)
+    ]
+    best = min(found, key=lambda mesh: float(mesh.ratio.max(initial=0.0)))
+    if fixed is None or not len(fixed):
+        best.bind_small_pieces_rigidly()
+    return best.bindings(bindings.distance_m)
+
+
+def _smoothed(mesh: _Relaxation, seed: int) -> _Relaxation:
+    rng = np.random.default_rng(seed)
+    for _ in range(MINIMISATION_PASSES):
+        mesh.relax_all(rng)
+        mesh.minimise()
+    mesh.relax_all(rng)
+    return mesh
 
 
 def _severity(ratio: Floats) -> float:
@@ -64,31 +105,27 @@ def _severity(ratio: Floats) -> float:
     return float(np.power(np.maximum(ratio - 1.0, 0.0), 6).sum())
 
 
-def _calmed(bark: _Bark, seed: int) -> _Bark:
-    rng = np.random.default_rng(seed)
-    for _ in range(PASSES):
-        bark.relax_all(rng)
-        bark.spread()
-    bark.relax_all(rng)
-    return bark
-
-
-class _Bark:
-    """The bark of a primitive in all poses, with the places that hold it."""
+class _Relaxation:
+    """The mesh of a primitive in all poses, with the places on the axis that its vertices are bound to."""
 
     def __init__(
-        self, wood: WeldedWood, paths: AxisPaths, poses: AxisPoses, feet: Feet, still: np.ndarray
+        self,
+        welded: WeldedPrimitive,
+        paths: AxisPaths,
+        poses: AxisPoses,
+        bindings: Bindings,
+        is_fixed: np.ndarray,
     ) -> None:
-        self._still = still  # (w,)
+        self._is_fixed = is_fixed  # (w,)
         self._paths, self._poses = paths, poses
-        length = np.linalg.norm(wood.place_m[wood.ends[:, 1]] - wood.place_m[wood.ends[:, 0]], axis=1)
-        kept = length > SHORTEST * float(np.ptp(wood.place_m, axis=0).max())
-        self._skin = Skin(wood.place_m, wood.ends[kept], length[kept])
-        self._place, self._ends, self._length = self._skin.place_m, self._skin.ends, self._skin.length_m
-        self._child, mark = paths.places(feet)
-        self._mark = self._at_joints(self._child, mark)
-        count = len(wood.place_m)
-        self._now = self._drawn(np.arange(count), self._child, self._mark)
+        length = np.linalg.norm(welded.place_m[welded.ends[:, 1]] - welded.place_m[welded.ends[:, 0]], axis=1)
+        kept = length > SHORTEST_EDGE * float(np.ptp(welded.place_m, axis=0).max())
+        self._mesh = EdgeMesh(welded.place_m, welded.ends[kept], length[kept])
+        self._place, self._ends, self._length = self._mesh.place_m, self._mesh.ends, self._mesh.length_m
+        self._child, arc = paths.places(bindings)
+        self._arc = self._at_joints(self._child, arc)
+        count = len(welded.place_m)
+        self._now = self._posed(np.arange(count), self._child, self._arc)
         both = np.concatenate([self._ends, self._ends[:, ::-1]])
         order = np.argsort(both[:, 0], kind="stable")
         self._edge, self._neighbour = np.tile(np.arange(len(self._ends)), 2)[order], both[order, 1]
@@ -101,38 +138,40 @@ class _Bark:
         apart = now[self._ends[:, 0]] - now[self._ends[:, 1]]
         return (np.linalg.norm(apart, axis=2) / self._length[:, None]).max(axis=1, initial=0.0)
 
-    def _drawn(self, vertex: Ints, child: Ints, mark: Floats) -> Floats:
-        return drawn_at(self._place[vertex], child, mark, self._paths, self._poses)
+    def _posed(self, vertex: Ints, child: Ints, arc: Floats) -> Floats:
+        return posed_positions(self._place[vertex], child, arc, self._paths, self._poses)
 
-    def _at_joints(self, child: Ints, mark: Floats) -> Floats:
+    def _at_joints(self, child: Ints, arc: Floats) -> Floats:
         """The nearest places (v,) with joints: short edges feel the difference."""
-        start = self._paths.mark_m[self._paths.parent[child]]
-        step = np.maximum(self._paths.mark_m[child] - start, 1e-300) / JOINTS_PER_LINK
-        return start + step * np.round((mark - start) / step)
+        start = self._paths.arc_m[self._paths.parent[child]]
+        step = np.maximum(self._paths.arc_m[child] - start, 1e-300) / JOINTS_PER_LINK
+        return start + step * np.round((arc - start) / step)
 
-    def spread(self) -> None:
-        """Slide all places around stretched edges at once, if that shortens the longest of them."""
-        stretched = np.flatnonzero(self.ratio > CALM)
-        child, mark = spread(
-            self._skin, self._child, self._mark, stretched, self._still, self._paths, self._poses
-        )
-        mark = self._at_joints(child, mark)
-        now = self._drawn(np.arange(len(mark)), child, mark)
+    def minimise(self) -> None:
+        """Move all bindings around stretched edges at once, if that shortens the longest of them."""
+        around = self._mesh.around(np.flatnonzero(self.ratio > LARGEST_STRETCH), SLIDING_RINGS)
+        free = around[~self._is_fixed[around]]
+        child, arc = self._child, self._arc
+        if len(free):
+            problem = StretchMinimisation(self._mesh, child, arc, free, self._paths, self._poses)
+            child, arc = problem.places()
+        arc = self._at_joints(child, arc)
+        now = self._posed(np.arange(len(arc)), child, arc)
         ratio = self._ratios(now)
         if _severity(ratio) < _severity(self.ratio):
-            self._child, self._mark, self._now, self.ratio = child, mark, now, ratio
+            self._child, self._arc, self._now, self.ratio = child, arc, now, ratio
 
     def relax_all(self, rng: np.random.Generator) -> None:
-        """Move places one after the other until no edge is stretched."""
-        for _ in range(ROUNDS):
-            stretched = np.flatnonzero(self.ratio > CALM)
+        """Move bindings one after the other until no edge is stretched."""
+        for _ in range(MOST_ROUNDS):
+            stretched = np.flatnonzero(self.ratio > LARGEST_STRETCH)
             if not len(stretched):
                 break
             self.relax(stretched, rng)
 
     def relax(self, stretched: Ints, rng: np.random.Generator) -> None:
-        """Move some places of stretched edges (s,) towards those of a neighbour, where it helps."""
-        vertex = self._apart(np.unique(self._ends[stretched]), rng)
+        """Move some bindings of stretched edges (s,) towards those of a neighbour, where it helps."""
+        vertex = self._independent(np.unique(self._ends[stretched]), rng)
         row, around = self._around(vertex)
         edge, neighbour = self._edge[around], self._neighbour[around]
         worst, pick = np.zeros(len(vertex)), np.zeros(len(vertex), dtype=np.int64)
@@ -140,19 +179,19 @@ class _Bark:
         wanted = self.ratio[edge] * rng.uniform(0.8, 1.0, len(edge))  # mostly that of the longest edge
         order = np.lexsort((wanted, row))
         pick[row[order]] = neighbour[order]
-        child, mark = self._towards(vertex, pick, rng.choice(SHARES, len(vertex)))
-        now = self._drawn(vertex, child, mark)
+        child, arc = self._towards(vertex, pick, rng.choice(STEP_SHARES, len(vertex)))
+        now = self._posed(vertex, child, arc)
         apart = np.linalg.norm(now[row] - self._now[neighbour], axis=2)
         ratio = (apart / self._length[edge][:, None]).max(axis=1)
         after = np.zeros(len(vertex))
         np.maximum.at(after, row, ratio)
-        better = (after < worst - GAIN) & ~self._still[vertex]
-        self._child[vertex[better]], self._mark[vertex[better]] = child[better], mark[better]
+        better = (after < worst - LEAST_GAIN) & ~self._is_fixed[vertex]
+        self._child[vertex[better]], self._arc[vertex[better]] = child[better], arc[better]
         self._now[vertex[better]] = now[better]
         self.ratio[edge[better[row]]] = ratio[better[row]]
 
-    def _apart(self, vertex: Ints, rng: np.random.Generator) -> Ints:
-        """Some of the vertices, no two of them neighbours."""
+    def _independent(self, vertex: Ints, rng: np.random.Generator) -> Ints:
+        """A random independent set of the vertices: no two of them neighbours."""
         rank = rng.random(len(vertex))
         self._rank[vertex] = rank
         row, around = self._around(vertex)
@@ -170,34 +209,31 @@ class _Bark:
 
     def _towards(self, vertex: Ints, other: Ints, share: Floats) -> tuple[Ints, Floats]:
         """Places a share of the way along the axis from those of vertices to those of others."""
-        first, second = self._mark[vertex], self._mark[other]
+        first, second = self._arc[vertex], self._arc[other]
         fork, together = self._paths.fork_m(self._child[vertex], first, self._child[other], second)
         step = np.where(together, share * (first + second - 2 * fork), 0.0)
         inwards = first - fork
         outwards = inwards <= 1e-12
-        mark = np.where(outwards, first + step, first - np.minimum(step, inwards))
+        arc = np.where(outwards, first + step, first - np.minimum(step, inwards))
         child = np.where(outwards & together, self._child[other], self._child[vertex])
-        child = self._paths.links(child, mark)
-        return child, self._at_joints(child, mark)
+        child = self._paths.links(child, arc)
+        return child, self._at_joints(child, arc)
 
-    def hold_small_pieces(self) -> None:
-        """Hold small pieces at one place that lie across the gap between two branches, such as a cylinder."""
+    def bind_small_pieces_rigidly(self) -> None:
+        """Bind small pieces to one place that lie across the gap between two branches, such as a cylinder."""
         count = len(self._place)
         graph = coo_matrix((np.ones(len(self._ends)), self._ends.T), shape=(count, count))
         pieces, piece = connected_components(graph, directed=False)
-        low, high = np.full((pieces, 3), np.inf), np.full((pieces, 3), -np.inf)
-        np.minimum.at(low, piece, self._place)
-        np.maximum.at(high, piece, self._place)
         worst = np.zeros(pieces)
         np.maximum.at(worst, piece[self._ends[:, 0]], self.ratio)
-        small = np.linalg.norm(high - low, axis=1) < SMALL * float(np.ptp(self._place, axis=0).max())
-        for number in np.flatnonzero(small & (worst > TORN)).tolist():
+        small = piece_size(self._place, piece) < SMALL_PIECE * float(np.ptp(self._place, axis=0).max())
+        for number in np.flatnonzero(small & (worst > TORN_STRETCH)).tolist():
             own = np.flatnonzero(piece == number)
             middle = own[
                 int(np.linalg.norm(self._place[own] - self._place[own].mean(axis=0), axis=1).argmin())
             ]
-            self._child[own], self._mark[own] = self._child[middle], self._mark[middle]
+            self._child[own], self._arc[own] = self._child[middle], self._arc[middle]
 
-    def feet(self, distance_m: Floats) -> Feet:
-        """The places as feet."""
-        return self._paths.feet(self._child, self._mark, distance_m)
+    def bindings(self, distance_m: Floats) -> Bindings:
+        """The bindings to the places."""
+        return self._paths.bindings(self._child, self._arc, distance_m)

@@ -1,8 +1,8 @@
-"""Where every rendered vertex is held: a place on the axis of a branch, with which it moves and turns.
+"""Bindings of every rendered vertex to the axis of the branches, with which it moves and turns.
 
-The bark is held beside itself, so that it bends with its branch. Each connected piece of foliage or twigs is
-held at one place and so stays rigid; a leaf on a twig shares the place of that twig, and therefore never
-leaves it. A piece around whole branches, such as a closed crown or a frond along its rachis, is held along
+Wood is bound beside itself, so that it bends with its branch. Each connected piece of twigs or foliage is
+bound to one place and so stays rigid; a leaf on a twig shares the binding of that twig, and therefore never
+leaves it. A piece around whole branches, such as a closed crown or a frond along its rachis, is bound along
 them.
 """
 
@@ -13,116 +13,103 @@ from dataclasses import replace
 
 import numpy as np
 
-from galewood.mesh import RenderPrimitive, TreeMesh, arms_of
-from galewood.model.axis import Axis, Feet, chosen, joined
-from galewood.model.bark import bark_feet
-from galewood.model.bearers import Bearers, edge_points
-from galewood.model.binding import foliage_pieces, piece_size
-from galewood.model.midrib import midrib_of
+from galewood.mesh import KINDS, RenderPrimitive, TreeMesh, arms_of
+from galewood.skinning.attachment import PIECE_SAMPLES, SUPPORT_SAMPLES, Supports, edge_samples
+from galewood.skinning.axis import Axis, Bindings
+from galewood.skinning.chord_bindings import chord_bindings
+from galewood.skinning.embedding import as_stored, foliage_pieces, piece_size
+from galewood.skinning.wood_bindings import wood_bindings
 from galewood.util import Ints
 
-KINDS = ("wood", "twigs", "leaves")
-"""Kinds of primitives in the order in which they bear each other."""
 LARGE_PIECE = 0.1
-"""Relative to the height; a larger piece is held along the branches inside it, if there are any."""
-SAMPLES, LEAF_SAMPLES = 400, 200
-"""What bears and what is borne are sampled at these fractions of the height."""
-
-
-TOUCH = 0.005
-"""Vertices of a frond that are at most this much farther from what bears it than the nearest one stay there;
+"""Relative to the height; a larger piece is bound along the branches inside it, if there are any."""
+TOUCH_DISTANCE = 0.005
+"""Vertices of a frond that are at most this much farther from its support than the nearest one stay there;
 relative to the height."""
-Improved = Callable[[RenderPrimitive, Feet, Ints], Feet]
-"""Better places of the vertices of a primitive, from those given; some vertices (k,) stay where they are."""
+Smoothing = Callable[[RenderPrimitive, Bindings, Ints], Bindings]
+"""Smoothed bindings of the vertices of a primitive, from the initial ones; some vertices (k,) are fixed."""
 
 
-def holds_of(tree: TreeMesh, axis: Axis, improved: Improved = lambda part, feet, still: feet) -> Feet:
-    """The place of every render vertex of a tree on its axis, primitives concatenated.
+def vertex_bindings(
+    tree: TreeMesh, axis: Axis, smoothing: Smoothing = lambda part, bindings, fixed: bindings
+) -> Bindings:
+    """The bindings of every render vertex of a tree, primitives concatenated.
 
-    ``improved`` may change the places of a wood primitive, and of foliage that is held along branches; what
-    hangs on wood follows it.
+    ``smoothing`` may change those of wood, and of foliage that is bound along branches; what attaches to wood
+    follows it.
     """
-    bearers = Bearers(axis, tree.height_m / SAMPLES)
+    supports = Supports(axis, tree.height_m / SUPPORT_SAMPLES)
     added = tree.added_wood()
     if added:
-        bearers.add(added, bark_feet(added, axis))
-    found: dict[int, Feet] = {}
+        supports.add(added, wood_bindings(added, axis))
+    found: dict[int, Bindings] = {}
     for k in sorted(range(len(tree.primitives)), key=lambda k: KINDS.index(tree.primitives[k].kind)):
         primitive = as_stored(tree.primitives[k])
         if primitive.kind == "wood":
-            found[k] = improved(primitive, bark_feet(primitive, axis), np.zeros(0, np.int64))
+            found[k] = smoothing(primitive, wood_bindings(primitive, axis), np.zeros(0, np.int64))
         else:
-            found[k] = _hung(primitive, bearers, axis, tree.height_m, improved)
+            found[k] = _attached(primitive, supports, axis, tree.height_m, smoothing)
         if primitive.kind != "leaves" and len(primitive.faces):
-            bearers.add(primitive, found[k])
-    return joined([found[k] for k in range(len(tree.primitives))])
+            supports.add(primitive, found[k])
+    return Bindings.concatenated([found[k] for k in range(len(tree.primitives))])
 
 
-def as_stored(primitive: RenderPrimitive) -> RenderPrimitive:
-    """The primitive with positions rounded to 32 bits, as stored in the render mesh.
-
-    A leaf equally near to two twigs is then held by the same one when that file is read again.
-    """
-    return replace(primitive, positions_m=primitive.positions_m.astype(np.float32).astype(np.float64))
-
-
-def _hung(
-    primitive: RenderPrimitive, bearers: Bearers, axis: Axis, height_m: float, improved: Improved
-) -> Feet:
-    """Every piece at the place of what it touches, or at places along the branches that it surrounds."""
+def _attached(
+    primitive: RenderPrimitive, supports: Supports, axis: Axis, height_m: float, smoothing: Smoothing
+) -> Bindings:
+    """Every piece with the binding of what it touches, or bound along the branches that it surrounds."""
     piece = foliage_pieces(primitive)
-    points = edge_points(primitive, height_m / LEAF_SAMPLES)  # a card may be borne by the middle of its edge
-    feet = chosen(bearers.nearest(points.place_m, piece[points.ends[:, 0]]), piece)
+    samples = edge_samples(primitive, height_m / PIECE_SAMPLES)  # a card may touch with the middle of an edge
+    rigid = supports.nearest(samples.place_m, piece[samples.ends[:, 0]]).take(piece)
     if primitive.kind == "twigs":
-        return feet
-    held = _along_branches(primitive, piece, feet, axis, height_m)
-    bent = np.flatnonzero((held.child != feet.child) | (held.share != feet.share))
+        return rigid
+    bindings = _along_branches(primitive, piece, rigid, axis, height_m)
+    bent = np.flatnonzero((bindings.child != rigid.child) | (bindings.share != rigid.share))
     if not len(bent):
-        return held
-    apart_m = bearers.distance_m(primitive.positions_m[bent])
-    still = np.flatnonzero(apart_m < feet.distance_m[bent] + TOUCH * height_m)
-    return _improved_part(primitive, held, bent, still, improved)
+        return bindings
+    apart_m = supports.distance_m(primitive.positions_m[bent])
+    fixed = np.flatnonzero(apart_m < rigid.distance_m[bent] + TOUCH_DISTANCE * height_m)
+    return _smoothed_part(primitive, bindings, bent, fixed, smoothing)
 
 
-def _improved_part(
-    primitive: RenderPrimitive, feet: Feet, part: Ints, still: Ints, improved: Improved
-) -> Feet:
-    """The feet with those of some vertices (k,) improved, as a mesh of their own, of which some stay."""
+def _smoothed_part(
+    primitive: RenderPrimitive, bindings: Bindings, part: Ints, fixed: Ints, smoothing: Smoothing
+) -> Bindings:
+    """The bindings with those of some vertices (k,) smoothed, as a mesh of their own, some of it fixed."""
     index = np.full(len(primitive.positions_m), -1, dtype=np.int64)
     index[part] = np.arange(len(part))
     faces = index[primitive.faces]
     faces = faces[(faces >= 0).all(axis=1)]
     if not len(faces):
-        return feet
+        return bindings
     own = replace(primitive, positions_m=primitive.positions_m[part], faces=faces)
-    found = improved(own, chosen(feet, part), still)
-    child, share, at_m = feet.child.copy(), feet.share.copy(), feet.at_m.copy()
-    child[part], share[part], at_m[part] = found.child, found.share, found.at_m
-    return Feet(child, share, at_m, feet.distance_m)
+    return bindings.replaced(part, smoothing(own, bindings.take(part), fixed))
 
 
-def _along_branches(primitive: RenderPrimitive, piece: Ints, feet: Feet, axis: Axis, height_m: float) -> Feet:
-    """The same, but large pieces are held along the branches that they surround."""
+def _along_branches(
+    primitive: RenderPrimitive, piece: Ints, rigid: Bindings, axis: Axis, height_m: float
+) -> Bindings:
+    """The bindings with large pieces bound along the branches that they surround."""
+    bindings = rigid
     large = np.flatnonzero(piece_size(primitive.positions_m, piece) > LARGE_PIECE * height_m)
-    child, share, at_m = feet.child.copy(), feet.share.copy(), feet.at_m.copy()
     for number in large.tolist():
         own = np.flatnonzero(piece == number)
-        held = chosen(feet, own[:1])
-        for arm in _arms(primitive, own, held):
-            rib = midrib_of(primitive.positions_m[arm], int(held.child[0]), axis, height_m)
-            if rib is not None:
-                child[arm], share[arm], at_m[arm] = rib.child, rib.share, rib.at_m
-    return Feet(child, share, at_m, feet.distance_m)
+        start = rigid.take(own[:1])
+        for arm in _arms(primitive, own, start):
+            along = chord_bindings(primitive.positions_m[arm], int(start.child[0]), axis, height_m)
+            if along is not None:
+                bindings = bindings.replaced(arm, along)
+    return bindings
 
 
-def _arms(primitive: RenderPrimitive, own: Ints, held: Feet) -> list[Ints]:
+def _arms(primitive: RenderPrimitive, own: Ints, start: Bindings) -> list[Ints]:
     """The vertices (k,) of a piece, or of each of its arms: fronds that are joined where they grow."""
     inside = np.zeros(len(primitive.positions_m), dtype=bool)
     inside[own] = True
     faces = primitive.faces[inside[primitive.faces[:, 0]]]
     if not len(faces):
         return [own]
-    arm = arms_of(primitive.positions_m, faces, held.at_m[0])
+    arm = arms_of(primitive.positions_m, faces, start.at_m[0])
     of_vertex = np.zeros(len(primitive.positions_m), dtype=np.int64)
     of_vertex[faces.ravel()] = np.repeat(arm, 3)
     return [own[of_vertex[own] == number] for number in range(int(arm.max()) + 1)]

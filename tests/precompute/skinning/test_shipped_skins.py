@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.player import WindDrivenTrees
-from galewood.table import Table, decode, drawn_positions, node_pose
+from galewood.skinning import drawn_positions, node_pose
+from galewood.table import Table, decode
 from galewood.wind import Wind, WindField
 
-SHIPPED = Path(__file__).parents[2] / "assets" / "species" / "shipped"
+SHIPPED = Path(__file__).parents[3] / "assets" / "species" / "shipped"
 TREES = ("maple", "maple-forest", "poplar", "poplar-forest", "apricot", "apricot-forest")
 KINDS = ("table", "bare.table")
 SWAY = 0.2

@@ -1,4 +1,4 @@
-"""The axis turns as the wood does; bark, twigs, leaves and fronds are held where they grow."""
+"""Wood, twigs, leaves and fronds are bound where they grow, and bend or keep their shape."""
 
 from __future__ import annotations
 
@@ -9,42 +9,18 @@ import pytest
 from galewood.beams import Frame
 from galewood.mesh.repair import Surface
 from galewood.mesh.types import RenderPrimitive, TreeMesh
-from galewood.model.axis import axis_of_frame, axis_of_tets
-from galewood.model.holds import holds_of
-from galewood.pipeline.drawn_figures import DrawnFigures
-from galewood.reduction.nodes import Motion, make_nodes
-from galewood.skeleton import extract_skeleton
-from galewood.table import turned
+from galewood.skinning import (
+    Distortion,
+    MotionSamples,
+    axis_of_frame,
+    drawn_positions,
+    make_skin,
+    vertex_bindings,
+)
 
 from tests.precompute import tree_meshes as make
-from tests.precompute.tet_meshes import Y_SEGMENTS, y_mesh
 
 ARM_M = 0.1
-
-
-def test_the_axis_of_tets_moves_and_turns_with_a_rigid_motion() -> None:
-    mesh = y_mesh()
-    axis = axis_of_tets(mesh, extract_skeleton(mesh))
-    spin, shift = np.array([0.01, -0.02, 0.03]), np.array([0.1, 0.2, -0.3])
-    moved = np.cross(spin, mesh.vertices_m) + shift
-    np.testing.assert_allclose(
-        axis.rotation(moved[:, :, None])[:, :, 0], np.tile(spin, (len(axis.parent), 1)), atol=1e-9
-    )
-    found = axis.displacement(moved[:, :, None])[:, :, 0]
-    expected = np.cross(spin, axis.points_m) + shift
-    assert np.abs(found - expected).max() < 0.03 * 0.05  # a point outside the wood moves with the nearest tet
-
-
-def test_bark_is_held_beside_itself() -> None:
-    mesh = y_mesh()
-    axis = axis_of_tets(mesh, extract_skeleton(mesh))
-    wood = make.joined(*(make.tube(a, b, r, r) for a, b, r in Y_SEGMENTS))
-    feet = axis.feet(wood.vertices)
-    thickest = max(radius for _, _, radius in Y_SEGMENTS)
-    assert np.linalg.norm(wood.vertices - feet.at_m, axis=1).max() < 2.5 * thickest
-    start = axis.points_m[axis.parent[feet.child]]
-    along = start + feet.share[:, None] * (axis.points_m[feet.child] - start)
-    np.testing.assert_allclose(along, feet.at_m, atol=1e-9)
 
 
 FRONDS, LENGTH_M, TRUNK_M = 6, 3.0, 8.0
@@ -114,17 +90,10 @@ def rotated(arm: np.ndarray, angle: float) -> np.ndarray:
 def drawn_palm():
     tree, frame = palm()
     axis = axis_of_frame(frame, ARM_M)
-    feet = holds_of(tree, axis)
-    basis = bent(frame, 0.8)
-    nodes = make_nodes(axis, feet, Motion(basis, np.ones((1, 1)), np.ones(1)), 0.0005 * tree.height_m)
+    samples = MotionSamples(bent(frame, 0.8), np.ones((1, 1)), np.ones(1))
+    skin = make_skin(axis, vertex_bindings(tree, axis), samples, 0.0005 * tree.height_m)
     rest = np.concatenate([p.positions_m for p in tree.primitives])
-    joint = nodes.vertex_joint.astype(int)
-    first, second = nodes.joint_nodes.astype(int).T
-    share = nodes.joint_share[:, None]
-    moved = (1 - share) * nodes.basis[first, :, 0] + share * nodes.basis[second, :, 0]
-    turn = (1 - share) * nodes.turn[first, :, 0] + share * nodes.turn[second, :, 0]
-    now = nodes.joint_rest_m[joint] + moved[joint] + turned(rest - nodes.joint_rest_m[joint], turn[joint])
-    return tree, rest, now
+    return tree, rest, drawn_positions(skin, rest, np.ones(1))
 
 
 def angle_along(blade: np.ndarray) -> float:
@@ -141,7 +110,7 @@ def leaf_pieces(tree: TreeMesh) -> tuple[RenderPrimitive, slice]:
 
 def test_long_fronds_bend_along_their_ribs_without_tearing(drawn_palm) -> None:
     tree, rest, now = drawn_palm
-    figures = DrawnFigures(tree).between(rest, now)
+    figures = Distortion(tree).between(rest, now)
     assert np.abs(now - rest).max() > 0.2 * tree.height_m
     assert figures["wood_stretch"] < 1.1 and figures["wood_stretch_worst"] < 1.3
     assert figures["leaves_stretch_worst"] < 1.2
