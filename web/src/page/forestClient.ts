@@ -81,10 +81,6 @@ export class ForestClient {
         if (!store.isAdopting) this.send({ kind: "wind", wind });
       },
     );
-    watch(
-      () => [state.stopped],
-      ([paused]) => this.send({ kind: "pause", paused }),
-    );
     // The server need not send anything while nobody looks.
     watch(
       () => [state.away],
@@ -155,6 +151,11 @@ export class ForestClient {
   /** Sends a gust front through the forest from a place, m; also for all who share it. */
   gust(x_m: number, z_m: number): void {
     this.send({ kind: "gust", x_m, z_m });
+  }
+
+  /** Stops or resumes the clock of a shared forest, for everyone. */
+  pause(paused: boolean): void {
+    this.send({ kind: "pause", paused });
   }
 
   /** Connects to the server at once if the connection is lost. */

@@ -115,12 +115,8 @@ export function exposeProbe(page: Page): void {
     setWind(document) {
       settings.wind = parseWind(document);
     },
-    pause() {
-      state.stopped = true;
-    },
-    resume() {
-      state.stopped = false;
-    },
+    pause: () => world.pause(true),
+    resume: () => world.pause(false),
     look: (eye, at) => world.look(eye, at),
     get eye() {
       return sharing.moment.eye;

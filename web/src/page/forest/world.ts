@@ -204,6 +204,12 @@ export class World {
     return tipDisplacement_m(motion, tipNode(motion), pose, instances.data[tree * INSTANCE_FLOATS + 6]);
   }
 
+  /** Stops or resumes the clock of the forest, also for those who share it. */
+  pause(paused: boolean): void {
+    this.store.state.stopped = paused;
+    this.client.pause(paused);
+  }
+
   /** Moves the camera. */
   look(eye: AboveGround, at: AboveGround): void {
     const { camera, controls } = this.stage;

@@ -31,7 +31,7 @@ export interface PageState {
   volume: number;
   /** Whether the forest neither advances nor draws, to leave the processor to other work. `Comparison`, probe. */
   asleep: boolean;
-  /** Whether the clock of the forest stands still, also for those who share it. Probe. */
+  /** Whether the clock of the forest stands still, also for those who share it. `World`. */
   stopped: boolean;
 }
 
