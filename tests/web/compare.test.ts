@@ -2,7 +2,7 @@ import { encode } from "@msgpack/msgpack";
 import { describe, expect, test } from "vitest";
 import { decodeTracks, poseAt } from "../../web/src/page/compare/tracks";
 import { assumedOf } from "../../web/src/page/ownTree/assumed";
-import { figuresInWords } from "../../web/src/page/ui/pickedCard";
+import { figuresInWords } from "../../web/src/page/picking/pickedCard";
 
 const bytes = (...values: number[]) => new Uint8Array(Float32Array.from(values).buffer);
 const errors = { max: [0.001, 0.002], hausdorff: [0.0005, 0.001] };

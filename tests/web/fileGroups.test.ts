@@ -1,6 +1,6 @@
 import { unzipSync } from "three/examples/jsm/libs/fflate.module.js";
 import { expect, it } from "vitest";
-import { type Chosen, chosenFiles, grouped, uploadOf } from "../../web/src/page/ownTree/fileGroups";
+import { type Chosen, chosenFiles, grouped, uploadOf } from "../../web/src/page/uploads/fileGroups";
 
 const given = (...paths: string[]): Chosen[] =>
   paths.map((path) => ({ path, file: new File([`content of ${path}`], path.replace(/^.*\//, "")) }));

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { isFrameDue } from "../../web/src/page/frameStatistics";
+import { isFrameDue } from "../../web/src/page/forest/frameStatistics";
 
 /** Number of frames drawn in ten seconds on a display with this rate, whose refreshes come up to 0.5 ms early or late. */
 function drawn(display_hz: number, limit_hz: number): number {

@@ -9,7 +9,7 @@ import {
   COLOUR_SIDE,
   MOST_ATLASES,
   viewport,
-} from "../../web/src/scene/impostors/atlasLayout";
+} from "../../web/src/scene/impostors/baking/atlasLayout";
 import { farPlaces, plantFar, REACH_M, shareOfPlaces, THINNING_LEVELS } from "../../web/src/scene/impostors/farPlaces";
 import {
   type Direction,
@@ -19,10 +19,10 @@ import {
   VIEWS_PER_SIDE,
   viewDirection,
   viewsAround,
-} from "../../web/src/scene/impostors/octahedral";
+} from "../../web/src/scene/impostors/baking/octahedral";
 import { SHADE_M, SHADE_SIDE, shadeOf } from "../../web/src/scene/impostors/shadeMap";
 import { airDamping, freeStep, Sway } from "../../web/src/scene/impostors/sway";
-import { treeBox } from "../../web/src/scene/impostors/treeBox";
+import { treeBox } from "../../web/src/scene/impostors/baking/treeBox";
 import { placeTrees, reach_m, SPACING_M } from "../../web/src/scene/placement";
 import { FADE_END, fadeAt } from "../../web/player/src/trees/crossFade";
 import { DrawList, type View } from "../../web/player/src/trees/drawList";

@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { embedCode } from "../../web/src/page/settings/embedCode";
+import { embedCode } from "../../web/src/page/sharing/embedCode";
 import { settingsFromQuery } from "../../web/src/page/settings/settings";
 import { soundOf } from "../../web/src/page/sound";
-import { presenceWords } from "../../web/src/page/ui/sharingCard";
+import { presenceWords } from "../../web/src/page/sharing/sharingCard";
 import { forestUrl } from "../../web/player/src/worker/stream/forestUrl";
 
 test("the embed code is one safe iframe of the link", () => {

@@ -1,14 +1,14 @@
 /** The store of the page: signals, subscriptions, undo, and what is kept in address and storage. */
 import { effect } from "@preact/signals-core";
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
-import { Undo } from "../../web/src/page/undo";
+import { Undo } from "../../web/src/page/controls/undo";
 import { DEFAULTS, type Settings, settingsFromQuery } from "../../web/src/page/settings/settings";
 import { remembered, rememberSettings } from "../../web/src/page/settings/storedSettings";
 import { reactive, watch } from "../../web/src/page/store/signals";
 import { Store } from "../../web/src/page/store/store";
 
 const buttons = vi.hoisted(() => new Map<string, { disabled: boolean; pressed(): void }>());
-vi.mock("../../web/src/page/ui/toolbar", () => ({
+vi.mock("../../web/src/page/controls/tools", () => ({
   tool: (name: string, _: string, pressed: () => void) => {
     const made = { disabled: false, pressed };
     buttons.set(name, made);

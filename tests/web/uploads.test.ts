@@ -1,12 +1,14 @@
+import { signal } from "@preact/signals-core";
 import { describe, expect, test, vi } from "vitest";
-import { OwnUploads } from "../../web/src/page/ownTree/ownUploads";
-import { RemainingTime } from "../../web/src/page/ownTree/remainingTime";
-import { sendingWords } from "../../web/src/page/ownTree/sendingDialog";
-import { Planting, plantForest } from "../../web/src/page/planting";
+import { OwnUploads } from "../../web/src/page/uploads/ownUploads";
+import { RemainingTime } from "../../web/src/page/progress/remainingTime";
+import { sendingWords } from "../../web/src/page/uploads/sendingDialog";
+import { Planting, plantForest } from "../../web/src/page/forest/planting";
 import { plantAs, plantedAs, plantedFrom, textOfPlanted } from "../../web/src/page/settings/planted";
 import { DEFAULTS, queryFromSettings, type Settings, settingsFromQuery } from "../../web/src/page/settings/settings";
-import { adoptPlacement, placementOf } from "../../web/src/page/settings/sharedForest";
-import { faultOf } from "../../web/src/page/ui/progress";
+import { foreignPlacement, placementOf } from "../../web/src/page/settings/sharedForest";
+import { Store } from "../../web/src/page/store/store";
+import { faultOf } from "../../web/src/page/progress/progressCards";
 import { timeLeft } from "../../web/src/page/ui/words";
 import { treeView } from "../../web/src/scene/camera/treeView";
 import { clearingPlace } from "../../web/src/scene/clearing";
@@ -62,8 +64,7 @@ describe("uploads in the forest", () => {
     expect(settingsFromQuery(queryFromSettings(settings)).planted).toEqual(settings.planted);
     expect(plantedFrom("a,,b:tree,../c,d:more")).toEqual({ a: "one", d: "more" });
     const other = settingsWith({ mine: "one" });
-    expect(adoptPlacement(other, placementOf(settings))).toBe(true);
-    expect(other.planted).toEqual(settings.planted);
+    expect(foreignPlacement(other, placementOf(settings)).planted).toEqual(settings.planted);
   });
 
   test("keep their order, and can be removed", () => {
@@ -79,19 +80,20 @@ describe("uploads in the forest", () => {
 });
 
 test("in a shared forest a tree is planted for all once it is loaded, and only then", () => {
-  vi.stubGlobal("location", { search: "?share=meadow" });
+  const store = new Store(settingsWith({}), DEFAULTS, "?share=meadow");
   const sent: boolean[] = [];
-  const catalogue = { isLoaded: false, assets: [], leafMotion: () => null, find: () => null };
+  const assetChanges = signal(0);
+  const catalogue = { isLoaded: false, assets: [], leafMotion: () => null, find: () => null, assetChanges };
   const client = { plan: (_: unknown, plan: { share: { replant: boolean } }) => sent.push(plan.share.replant) };
-  const none = {} as never;
-  const planting = new Planting(settingsWith({ mine: "one" }), none, none, client as never, catalogue as never, () => {});
-  planting.place(true);
+  new Planting(store, { client } as never, catalogue as never, { arrivals: signal(0) } as never);
+  plantAs(store.settings, "mine", "one");
   expect(sent).toEqual([]);
   catalogue.isLoaded = true;
-  planting.place();
-  planting.place();
+  assetChanges.value++;
+  assetChanges.value++;
   expect(sent).toEqual([true, false]);
-  vi.unstubAllGlobals();
+  store.adopt({ trees: 30 }); // the others have planted these
+  expect(sent).toEqual([true, false, false]);
 });
 
 describe("the uploads of this browser", () => {

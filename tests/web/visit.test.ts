@@ -6,7 +6,7 @@ import { leafTint } from "../../web/src/scene/season/palette";
 import { chooseSpecies, placeTrees } from "../../web/src/scene/placement";
 import { FLIGHT_S, flightAt, loneliest, VIEWS, type ViewName, viewpoint } from "../../web/src/scene/camera/viewpoints";
 import { DEFAULTS, defaultsFor, type Settings, settingsFromQuery } from "../../web/src/page/settings/settings";
-import { factsOf, sizeInWords, timeInWords } from "../../web/src/page/ui/physics";
+import { factsOf, sizeInWords, timeInWords } from "../../web/src/page/physics/physics";
 
 const SETTINGS: Settings = {
   ...DEFAULTS,

@@ -1,9 +1,9 @@
 import "./ui/instruments/instruments.css";
-import "./ui/uploads.css";
+import "./uploads/uploads.css";
 import { openPage } from "./app";
 import { DataFiles } from "./files/dataFiles";
-import { detectGraphics } from "./graphics";
-import { OwnUploads } from "./ownTree/ownUploads";
+import { detectGraphics } from "./forest/graphics";
+import { OwnUploads } from "./uploads/ownUploads";
 import { exposeProbe } from "./probe";
 import { defaultsFor, settingsFromQuery } from "./settings/settings";
 import { sharedFrom } from "./settings/sharedForest";
@@ -11,10 +11,10 @@ import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
 import { Store } from "./store/store";
 import { element } from "./ui/dom";
-import { showHint } from "./ui/hint";
-import { connectSheets } from "./ui/sheets";
+import { showHint } from "./controls/hint";
+import { connectSheets } from "./controls/sheets";
 import { showToast } from "./ui/toast";
-import { acceptUploads } from "./ui/upload";
+import { acceptUploads } from "./uploads/upload";
 
 const uploads = new OwnUploads(() => localStorage);
 const files = new DataFiles();

@@ -3,7 +3,7 @@
 import { parseWind, type WindDocument } from "galewood/wind";
 import type { Season } from "../scene/season/season";
 import type { Page } from "./app";
-import type { PickedFigures } from "./treePicker";
+import type { PickedFigures } from "./picking/treePicker";
 
 export interface Probe {
   readonly frame: number;

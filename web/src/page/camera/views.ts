@@ -5,10 +5,10 @@ import { CameraFlight } from "../../scene/camera/cameraFlight";
 import { treeView } from "../../scene/camera/treeView";
 import { type Subject, VIEWS, type ViewName, viewpoint } from "../../scene/camera/viewpoints";
 import type { World } from "../forest/world";
-import type { Frame } from "../frameLoop";
+import type { Frame } from "../forest/frameLoop";
 import type { Store } from "../store/store";
 import { make, prefersCalm } from "../ui/dom";
-import { toggle, tool } from "../ui/toolbar";
+import { toggle, tool } from "../controls/tools";
 
 /** The camera is not taken out of hands that have moved it this long ago. */
 const AFTERWARDS_MS = 4000;

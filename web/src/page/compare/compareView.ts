@@ -7,7 +7,7 @@ import type { WindState } from "galewood/wind";
 import { Problem, type Tree } from "../server/api";
 import { reportOf } from "../server/reports";
 import { make } from "../ui/dom";
-import { stiffnessInWords } from "../ui/physics";
+import { stiffnessInWords } from "../physics/physics";
 import { displayName } from "../ui/words";
 import { ComparisonScene, type Shown } from "./comparisonScene";
 import { Curves, percent } from "./curves";
@@ -101,7 +101,7 @@ export class CompareView {
     this.choice.addEventListener("change", () => void this.start());
     this.again.type = "button";
     this.again.addEventListener("click", () => void this.start());
-    this.method = select({ modal: "Modal reduced order", paper: "Paper's state search" }, (value) =>
+    this.method = select({ modal: "Modal model", paper: "Paper's state search" }, (value) =>
       this.choose(value as Method),
     );
     const times = select({ 1: "1×", 3: "3×", 10: "10×" }, (value) => {
@@ -256,13 +256,6 @@ export class CompareView {
     cancelAnimationFrame(this.frame);
     this.running?.abort();
     this.running = null;
-  }
-
-  dispose(): void {
-    this.closed();
-    this.curves.dispose();
-    this.scene.dispose();
-    this.dialog.remove();
   }
 }
 

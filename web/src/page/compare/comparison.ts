@@ -5,8 +5,8 @@ import type { World } from "../forest/world";
 import { localError_m } from "../overlays/localError";
 import type { Catalogue } from "../server/catalogue";
 import type { Store } from "../store/store";
-import type { TreePicker } from "../treePicker";
-import { tool } from "../ui/toolbar";
+import type { TreePicker } from "../picking/treePicker";
+import { tool } from "../controls/tools";
 import type { Candidate, CompareView } from "./compareView";
 
 export class Comparison {

@@ -5,7 +5,7 @@ import { extentOf, standView } from "../../scene/stand";
 import type { World } from "../forest/world";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
-import { InventoryCard } from "../ui/inventoryCard";
+import { InventoryCard } from "./inventoryCard";
 import { showToast } from "../ui/toast";
 import { InventoryForest } from "./inventoryForest";
 

@@ -6,11 +6,11 @@ import { INSTANCE_FLOATS } from "galewood/trees";
 import { Group } from "three";
 import { exaggeration } from "../../scene/exaggeration";
 import type { World } from "../forest/world";
-import type { Frame } from "../frameLoop";
+import type { Frame } from "../forest/frameLoop";
 import { Problem } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
-import type { TreePicker } from "../treePicker";
-import { type OverlayKind, OverlayMenu } from "../ui/overlayMenu";
+import type { TreePicker } from "../picking/treePicker";
+import { type OverlayKind, OverlayMenu } from "./overlayMenu";
 import {
   type Drawing,
   errorDrawing,

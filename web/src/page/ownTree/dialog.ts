@@ -19,7 +19,7 @@ import { Computing } from "./computing";
 import { expectedMotionOf } from "./expectedMotion";
 import { button, numberField, row, select } from "./formRows";
 import { LivelinessChoice } from "./livelinessChoice";
-import type { OwnUploads } from "./ownUploads";
+import type { OwnUploads } from "../uploads/ownUploads";
 import { Painting } from "./painting/painting";
 import { type PieceChoices, PieceList } from "./pieces";
 import { Preview } from "./preview";

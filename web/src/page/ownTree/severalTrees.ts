@@ -12,11 +12,11 @@ import {
   type TreeChange,
 } from "../server/api";
 import { make } from "../ui/dom";
-import { faultOf } from "../ui/progress";
-import { ProgressBar } from "../ui/progressBar";
+import { faultOf } from "../progress/progressCards";
+import { ProgressBar } from "../progress/progressBar";
 import type { Assumed, FoundTree } from "./assumed";
 import { type ExpectedMotion, expectedMotionOf, isAdjustable } from "./expectedMotion";
-import type { OwnUploads } from "./ownUploads";
+import type { OwnUploads } from "../uploads/ownUploads";
 
 /** The name of each tree: its own in the file, or that of the upload with its number. Pure. */
 export function namesOf(upload: string, trees: readonly FoundTree[]): string[] {

@@ -1,7 +1,7 @@
 /** The paper's method on this page: fetches the records when it is chosen, and knows which trees use it. */
 
 import { signal } from "@preact/signals-core";
-import type { ForestClient } from "../forestClient";
+import type { ForestClient } from "../forest/forestClient";
 import type { Catalogue, KnownTree } from "../server/catalogue";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";

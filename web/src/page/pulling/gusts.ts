@@ -1,7 +1,7 @@
 /** Gust fronts that this visitor sends by clicking the ground, and the bands that show all of them. */
 import { FrontBands } from "../../scene/overlays/frontBands";
 import type { World } from "../forest/world";
-import type { TreePicker } from "../treePicker";
+import type { TreePicker } from "../picking/treePicker";
 
 /** The server accepts about as many. */
 const EVERY_MS = 1500;

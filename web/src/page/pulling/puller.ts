@@ -11,7 +11,7 @@ import type { PickedTree } from "../../scene/forest";
 import { PullHandle } from "../../scene/overlays/pullHandle";
 import type { World } from "../forest/world";
 import type { Store } from "../store/store";
-import type { TreePicker } from "../treePicker";
+import type { TreePicker } from "../picking/treePicker";
 import { grabbedVertex, vertexAt } from "./grabPoint";
 import { grabbedTree, HeldTree, treeAt } from "./pulledTree";
 import { PullTag, pullInWords } from "./pullTag";

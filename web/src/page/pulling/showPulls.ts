@@ -2,7 +2,7 @@
 
 import type { ShownPull } from "galewood/trees";
 import type { Forest } from "../../scene/forest";
-import type { ForestClient } from "../forestClient";
+import type { ForestClient } from "../forest/forestClient";
 
 /** Call when new poses have arrived. */
 export function showPulls(forest: Forest, { pulled, pullFields }: ForestClient): void {

@@ -10,7 +10,7 @@ import {
 import { exaggeration } from "../exaggeration";
 import { seasonal } from "../season/seasonal";
 import { air } from "../sky/air";
-import type { Atlas } from "./atlas";
+import type { Atlas } from "./baking/atlas";
 import { patchCard, patchShadow } from "./cardShader";
 
 /** Opacity below which a pixel of a crown is not drawn. */

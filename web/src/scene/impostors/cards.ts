@@ -10,7 +10,7 @@ import {
   type MeshLambertMaterial,
   type Object3D,
 } from "three";
-import type { Atlas } from "./atlas";
+import type { Atlas } from "./baking/atlas";
 import { type CardUniforms, cardMaterials } from "./cardMaterial";
 
 /** Floats per card: x y z opacity | s·cos s·sin s random | tint rgb, strength. */

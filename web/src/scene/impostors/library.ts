@@ -3,9 +3,9 @@
 import type { TableMotion } from "galewood/client";
 import type { TreeModel } from "galewood/trees";
 import type { Object3D, WebGLRenderer } from "three";
-import { Atlas } from "./atlas";
-import { MOST_ATLASES, viewsPerFrame } from "./atlasLayout";
-import { Baker } from "./baker";
+import { Atlas } from "./baking/atlas";
+import { MOST_ATLASES, viewsPerFrame } from "./baking/atlasLayout";
+import { Baker } from "./baking/baker";
 import { SimulatedCards } from "./simulatedCards";
 
 /** Frames that are drawn before baking begins, so that it does not delay the first moving tree. */

@@ -4,7 +4,7 @@ import type { TableMotion } from "galewood/client";
 import type { DrawList, LevelTexels, TreeModel } from "galewood/trees";
 import { type BendNodes, bendNodes, type FarCards, fillCards } from "galewood/trees";
 import type { Object3D, Texture } from "three";
-import type { Atlas } from "./atlas";
+import type { Atlas } from "./baking/atlas";
 import { Cards } from "./cards";
 
 /** The part of the library that is needed here. */

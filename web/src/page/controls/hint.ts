@@ -1,0 +1,37 @@
+/** The first hint, shown once to every visitor until the first action. */
+import { element } from "../ui/dom";
+
+const STORAGE_KEY = "galewood.hint";
+const WIDE_HINT = "Drag the arrow. Click a tree.";
+/** On a phone the arrow is behind a button. */
+const PHONE_HINT = "Tap a tree. “Wind” has an arrow to drag.";
+
+type Store = Pick<Storage, "getItem" | "setItem">;
+
+function seen(store: () => Store): boolean {
+  try {
+    return store().getItem(STORAGE_KEY) !== null;
+  } catch {
+    return false; // storage is blocked
+  }
+}
+
+/** Shows the hint unless this visitor has seen it. */
+export function showHint(store: () => Store): void {
+  if (seen(store)) return;
+  const hint = element("hint");
+  hint.textContent = matchMedia("(max-width: 760px)").matches ? PHONE_HINT : WIDE_HINT;
+  hint.hidden = false;
+  const acted = new AbortController();
+  const dismiss = () => {
+    acted.abort();
+    hint.hidden = true;
+    try {
+      store().setItem(STORAGE_KEY, "1");
+    } catch {
+      // shown again next time
+    }
+  };
+  for (const action of ["pointerup", "keydown"])
+    addEventListener(action, dismiss, { signal: acted.signal, capture: true });
+}

@@ -1,0 +1,76 @@
+/** Season and time of day: four buttons and a slider that follows the sun. */
+
+import { effect } from "@preact/signals-core";
+import { SEASONS, type Season } from "../../scene/season/season";
+import { clockOf } from "../../scene/sky/daytime";
+import { element, make } from "../ui/dom";
+
+/** Signals. */
+export interface Scenery {
+  season: Season;
+  daytime: number;
+}
+
+const WORDS: Record<Season, string> = {
+  spring: "Spring",
+  summer: "Summer",
+  autumn: "Autumn",
+  winter: "Winter",
+};
+
+/** Name of the part of the day. */
+export function partOfDay(daytime: number): string {
+  if (daytime < 0.06) return "sunrise";
+  if (daytime < 0.36) return "morning";
+  if (daytime < 0.6) return "midday";
+  if (daytime < 0.86) return "afternoon";
+  return daytime < 0.95 ? "evening" : "sunset";
+}
+
+export class SceneryBar {
+  private readonly buttons: { season: Season; button: HTMLButtonElement }[];
+  private readonly slider = make("input");
+  private readonly clock = make("output");
+
+  constructor(private readonly scenery: Scenery) {
+    this.buttons = SEASONS.map((season) => this.seasonButton(season));
+    const seasons = make("div", "", "seasons");
+    seasons.setAttribute("role", "group");
+    seasons.setAttribute("aria-label", "Season");
+    seasons.append(...this.buttons.map(({ button }) => button));
+    element("scenery").replaceChildren(seasons, this.timeSlider());
+    effect(() => this.show());
+  }
+
+  private seasonButton(season: Season) {
+    const button = make("button", WORDS[season]);
+    button.type = "button";
+    button.dataset.season = season;
+    button.addEventListener("click", () => {
+      this.scenery.season = season;
+    });
+    return { season, button };
+  }
+
+  private timeSlider(): HTMLElement {
+    const { slider } = this;
+    Object.assign(slider, { type: "range", min: "0", max: "1", step: "0.005" });
+    slider.setAttribute("aria-label", "Time of day");
+    slider.addEventListener("input", () => {
+      this.scenery.daytime = Number(slider.value);
+    });
+    const label = make("div", "", "daytime");
+    label.append(slider, this.clock);
+    return label;
+  }
+
+  private show(): void {
+    const { season, daytime } = this.scenery;
+    for (const { season: own, button } of this.buttons)
+      button.setAttribute("aria-pressed", String(own === season));
+    this.slider.value = String(daytime);
+    const clock = clockOf(daytime, season);
+    this.slider.setAttribute("aria-valuetext", `${clock}, ${partOfDay(daytime)}`);
+    this.clock.textContent = clock;
+  }
+}

@@ -1,0 +1,259 @@
+/** Client of the worker on the main thread: sends plans, receives poses, recycles buffers. */
+
+import type {
+  Connection,
+  ForestPlan,
+  FromWorker,
+  GroupPlan,
+  Inspection,
+  PulledTree,
+  PullOrder,
+  TableMotion,
+  ToWorker,
+  TreeAt,
+  Work,
+} from "galewood/client";
+import { sameWind, type WindState } from "galewood/wind";
+import { PullFields } from "../pulling/pullFields";
+import { complianceUrl, recordsUrl, tableUrl } from "../server/api";
+import { foreignPlacement } from "../settings/sharedForest";
+import { watch } from "../store/signals";
+import type { Store } from "../store/store";
+import { showToast } from "../ui/toast";
+
+type Buffers = Float32Array<ArrayBuffer>[];
+
+interface Pending<Result> {
+  resolve(result: Result): void;
+  reject(error: Error): void;
+}
+
+const absolute = (path: string) => new URL(path, document.baseURI).href;
+
+/** A group for the worker, with the motion that determines its row length. */
+export interface ClientGroup extends Omit<GroupPlan, "table"> {
+  readonly motion: TableMotion;
+}
+
+const NO_CONNECTION: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
+const NO_WORK: Work = { wind_ms: 0, lookup_ms: 0, total_ms: 0 };
+/** Longer pauses, for example of a hidden tab, are skipped. */
+const MAX_STEP_S = 0.25;
+
+/** Starts the worker early, so that it loads while the page builds the scene. */
+function startWorker(): Worker {
+  return new Worker(new URL("./forest.worker.ts", import.meta.url), { type: "module" });
+}
+
+export class ForestClient {
+  /** Newest poses, one buffer per moving group. */
+  poses: Buffers = [];
+  time_s = 0;
+  /** Smoothed worker time per frame; `work` is that of the last frame. */
+  lookup_ms = 0;
+  work = NO_WORK;
+  connection = NO_CONNECTION;
+  wind: { state: WindState; coverage: number } | null = null;
+  /** Largest extrapolation ratio of all trees; above 1 a tree is beyond its sampled range. */
+  extrapolationRatio = 0;
+  /** The watched tree's figures. */
+  watched: Inspection | null = null;
+  /** The trees that are pulled or ring down, by anyone, and their displacements that the modes do not show. */
+  pulled: readonly PulledTree[] = [];
+  readonly pullFields = new PullFields();
+  private readonly worker = startWorker();
+  private readonly waiting = new Map<string, Pending<TableMotion>[]>();
+  private readonly waitingRecords = new Map<string, Pending<void>>();
+  private epoch = 0;
+  private arrived: (() => void) | null = null;
+  private spare: Buffers = [];
+  private busy = false;
+  private backlog_s = 0;
+  private fresh = false;
+
+  constructor(private readonly store: Store) {
+    const { settings, state } = store;
+    this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+    watch(
+      () => [settings.wind],
+      ([wind]) => {
+        // The worker already knows a wind that others have changed.
+        if (!store.isAdopting) this.send({ kind: "wind", wind });
+      },
+    );
+    // The server need not send anything while nobody looks.
+    watch(
+      () => [state.away],
+      ([hidden]) => this.send({ kind: "hide", hidden }),
+    );
+  }
+
+  private send(message: ToWorker, transfer: Transferable[] = []): void {
+    this.worker.postMessage(message, transfer);
+  }
+
+  loadTable(sha256: string): Promise<TableMotion> {
+    return new Promise((resolve, reject) => {
+      const waiting = this.waiting.get(sha256);
+      this.waiting.set(sha256, [...(waiting ?? []), { resolve, reject }]);
+      if (!waiting) this.send({ kind: "load", sha256, url: absolute(tableUrl(sha256)) });
+    });
+  }
+
+  /** Loads the records of a loaded table, once; the next plan uses them. */
+  loadRecords(table: string, records: string): Promise<void> {
+    return new Promise((resolve, reject) => {
+      this.waitingRecords.set(table, { resolve, reject });
+      this.send({ kind: "loadRecords", table, url: absolute(recordsUrl(records)) });
+    });
+  }
+
+  /** Replaces the set of trees; those that stay keep their state. `arrived` is called with their first poses. */
+  plan(
+    groups: readonly ClientGroup[],
+    plan: Omit<ForestPlan, "epoch" | "groups">,
+    arrived: () => void,
+  ): void {
+    this.epoch++;
+    const make = () => groups.map(({ motion, ids }) => new Float32Array(ids.length * motion.stride));
+    this.spare = make();
+    this.arrived = arrived;
+    this.busy = true;
+    const full: ForestPlan = {
+      ...plan,
+      epoch: this.epoch,
+      groups: groups.map(({ key, motion, leafTable, placement, ids, recorded, compliance }) => ({
+        key,
+        table: motion.sha256,
+        leafTable,
+        placement,
+        ids,
+        recorded,
+        compliance: compliance && absolute(complianceUrl(compliance)),
+      })),
+    };
+    const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
+    const buffers = make();
+    const transfer = buffers.map(({ buffer }) => buffer);
+    const { wind } = this.store.settings;
+    this.send({ kind: "plan", plan: full, wind, socketUrl, buffers }, transfer);
+  }
+
+  /** Begins or continues a pull. */
+  pull(order: PullOrder): void {
+    this.send({ kind: "pull", order });
+  }
+
+  release(hand: number): void {
+    this.send({ kind: "release", hand });
+  }
+
+  /** Sends a gust front through the forest from a place, m; also for all who share it. */
+  gust(x_m: number, z_m: number): void {
+    this.send({ kind: "gust", x_m, z_m });
+  }
+
+  /** Stops or resumes the clock of a shared forest, for everyone. */
+  pause(paused: boolean): void {
+    this.send({ kind: "pause", paused });
+  }
+
+  /** Connects to the server at once if the connection is lost. */
+  retry(): void {
+    this.send({ kind: "retry" });
+  }
+
+  /** Requests the figures of one tree with every frame; null or a new plan ends it. */
+  watch(at: TreeAt | null): void {
+    this.watched = null;
+    this.send({ kind: "watch", at });
+  }
+
+  /** Advances the forest by a display step, seen from a place (m). While the worker is busy, the time accumulates. */
+  advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
+    this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
+    if (this.busy || this.spare.length === 0) return;
+    this.busy = true;
+    const buffers = this.spare;
+    this.spare = [];
+    const message: ToWorker = {
+      kind: "advance",
+      epoch: this.epoch,
+      dt_s: this.backlog_s,
+      viewer: [from.x, from.z],
+      buffers,
+    };
+    this.backlog_s = 0;
+    this.send(
+      message,
+      buffers.map((buffer) => buffer.buffer),
+    );
+  }
+
+  /** Whether the last request is still unanswered. */
+  get isBusy(): boolean {
+    return this.busy;
+  }
+
+  /** Whether new poses have arrived since the last call. */
+  takeFreshPoses(): boolean {
+    const { fresh } = this;
+    this.fresh = false;
+    return fresh;
+  }
+
+  private receive(message: FromWorker): void {
+    if (message.kind === "poses") this.receivePoses(message);
+    else if (message.kind === "table")
+      this.settle(message.motion.sha256, ({ resolve }) => resolve(message.motion));
+    else if (message.kind === "tableFailed") {
+      this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
+    } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
+    else if (message.kind === "pullField") this.pullFields.add(message.table, message.vertex, message.field);
+    else if (message.kind === "problem") showToast(message.title, message.hint);
+    else this.adopt(message);
+  }
+
+  /** What other clients have changed in a shared forest, and how many there are. */
+  private adopt(message: Extract<FromWorker, { kind: "shared" | "present" | "sharedWind" }>): void {
+    const { store } = this;
+    if (message.kind === "present") store.state.present = message.clients;
+    else if (message.kind === "shared") store.adopt(foreignPlacement(store.settings, message.about));
+    else if (!sameWind(message.wind, store.settings.wind)) store.adopt({ wind: message.wind });
+  }
+
+  private settleRecords(table: string, fault: string | null): void {
+    const waiting = this.waitingRecords.get(table);
+    this.waitingRecords.delete(table);
+    if (fault === null) waiting?.resolve();
+    else waiting?.reject(new Error(fault));
+  }
+
+  private settle(sha256: string, end: (waiting: Pending<TableMotion>) => void): void {
+    for (const waiting of this.waiting.get(sha256) ?? []) end(waiting);
+    this.waiting.delete(sha256);
+  }
+
+  private receivePoses(message: Extract<FromWorker, { kind: "poses" }>): void {
+    if (message.epoch !== this.epoch) return;
+    const { arrived } = this;
+    this.arrived = null;
+    if (!arrived) this.spare = this.poses;
+    this.poses = message.buffers;
+    this.time_s = message.time_s;
+    this.work = message.work;
+    this.lookup_ms += 0.1 * (message.work.total_ms - this.lookup_ms);
+    this.connection = message.connection;
+    this.wind = message.wind;
+    this.extrapolationRatio = message.extrapolationRatio;
+    this.watched = message.watched;
+    this.pulled = message.pulled;
+    this.busy = false;
+    this.fresh = true;
+    arrived?.();
+  }
+
+  dispose(): void {
+    this.worker.terminate();
+  }
+}

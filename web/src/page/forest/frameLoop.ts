@@ -1,0 +1,99 @@
+/** The frame loop: advances all that moves, draws the picture, and reports a few times per second. */
+
+import { type FrameStatistics, isFrameDue } from "./frameStatistics";
+import type { World } from "./world";
+import type { Store } from "../store/store";
+
+const REPORT_EVERY_MS = 250;
+/** The scene stays static for this long while the first trees are loading. */
+const PATIENCE_MS = 4000;
+/** Longer pauses, for example of a hidden tab, are skipped. */
+const MAX_FRAME_S = 0.25;
+
+/** One picture of the forest. */
+export interface Frame {
+  /** Time since the last picture, s. */
+  readonly passed_s: number;
+  /** Time by which the motion advances, s; 0 while it stands still. */
+  readonly played_s: number;
+  /** Whether the trees move; otherwise they keep their poses. */
+  readonly playing: boolean;
+}
+
+/** What a feature does in every frame. */
+export interface FramePart {
+  /** After the trees have moved. */
+  advance?(frame: Frame): void;
+  /** Right after a picture was drawn. */
+  drawn?(): void;
+  /** A few times per second: refreshes what the page says in figures. */
+  report?(): void;
+}
+
+export class FrameLoop {
+  /** Number of frames drawn. */
+  frame = 0;
+  private last_ms = performance.now();
+  private reported_ms = 0;
+
+  /** `parts` advance in this order. */
+  constructor(
+    private readonly store: Store,
+    private readonly world: World,
+    private readonly meter: FrameStatistics,
+    private readonly parts: readonly FramePart[],
+  ) {}
+
+  start(): void {
+    this.world.stage.renderer.setAnimationLoop((now_ms) => this.onFrame(now_ms));
+  }
+
+  report(): void {
+    for (const part of this.parts) part.report?.();
+  }
+
+  private onFrame(now_ms: number): void {
+    const { settings, state, playback } = this.store;
+    if (state.asleep || this.world.isUnseen) return;
+    const frame_ms = now_ms - this.last_ms;
+    if (!isFrameDue(frame_ms, settings.frameRateLimit_hz)) return;
+    const begin_ms = performance.now();
+    const passed_s = state.stopped ? 0 : Math.min(MAX_FRAME_S, Math.max(0, frame_ms / 1000));
+    this.last_ms = now_ms;
+    const played_s = playback.advance_s(passed_s, settings.lookup === "server");
+    this.move({ passed_s, played_s: played_s ?? 0, playing: played_s !== null });
+    this.draw(passed_s);
+    this.meter.count(frame_ms, performance.now() - begin_ms);
+    if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
+      this.reported_ms = now_ms;
+      this.report();
+    }
+  }
+
+  private move(frame: Frame): void {
+    if (frame.playing) this.world.moveTrees(frame.played_s);
+    for (const part of this.parts) part.advance?.(frame);
+    this.world.moveScenery(frame.played_s);
+  }
+
+  /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
+  async step(dt_s: number, drawn = true): Promise<void> {
+    this.move({ passed_s: dt_s, played_s: dt_s, playing: true });
+    await this.world.settle();
+    if (drawn) this.draw(dt_s);
+    else this.frame++;
+  }
+
+  /** Skip drawing until the first trees have moved: before that only the clouds would. */
+  private get waitsForTrees(): boolean {
+    const { state, playback, from_s } = this.store;
+    if (this.frame === 0 || performance.now() > PATIENCE_MS) return false;
+    const steps = !state.stopped && !playback.paused;
+    return !this.world.hasTrees || (steps && this.world.client.time_s <= from_s);
+  }
+
+  private draw(passed_s: number): void {
+    if (this.world.draw(passed_s, this.waitsForTrees)) for (const part of this.parts) part.drawn?.();
+    this.frame++;
+  }
+}

@@ -1,0 +1,130 @@
+/** Plants the forest: places the trees of the catalogue and sends them to the worker, again whenever that changes. */
+
+import type { Stem } from "galewood/inventory";
+import { clearingPlace } from "../../scene/clearing";
+import { type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../../scene/forest";
+import { woodReach_m } from "../../scene/placement";
+import { placeStand } from "../../scene/stand";
+import type { World } from "./world";
+import type { ClientGroup } from "./forestClient";
+import type { PaperMethod } from "../paper/paperMethod";
+import { isRecorded } from "../paper/paperState";
+import type { Catalogue } from "../server/catalogue";
+import { plantedAs } from "../settings/planted";
+import type { Settings } from "../settings/settings";
+import { PLACEMENT_KEYS, placementOf } from "../settings/sharedForest";
+import { watch } from "../store/signals";
+import type { Store } from "../store/store";
+
+/**
+ * Places the trees: built-in ones and uploads that are planted among them share the forest, and every planted upload
+ * stands in the clearing. Uploads that are still loading take no places, so that the forest has no gaps.
+ */
+export function plantForest(
+  assets: readonly TreeAsset[],
+  settings: Settings,
+  stand: PlantedStand | null = null,
+): PlacedSpecies[] {
+  const how = (asset: TreeAsset) => (asset.builtin || !asset.model ? null : plantedAs(settings, asset.id));
+  const only = assets.some((asset) => how(asset) === "only");
+  const uploads = Object.keys(settings.planted);
+  const single = Object.fromEntries(uploads.map((id, k) => [id, clearingPlace(k)]));
+  if (stand) {
+    const places = placeStand(assets, stand.stems, { form: settings.form, named: stand.named });
+    return placedSpecies(assets, (asset) => places.get(asset) ?? [], single, settings.season);
+  }
+  return placeForest(assets, settings.trees, settings.forestSeed, {
+    ...settings,
+    grows: (asset) => (only ? how(asset) === "only" : asset.builtin || how(asset) === "more"),
+    single,
+  });
+}
+
+/** The stems of an inventory, and the uploads that have the names of species in it. */
+export interface PlantedStand {
+  readonly stems: readonly Stem[];
+  named(species: string): string | null;
+}
+
+/** Around a stand from an inventory the invented forest begins this far from its edge. */
+const OPEN_LAND_M = 130;
+
+export class Planting {
+  /** Whether the trees are to be replaced for all once those that are loading have arrived. */
+  private owed = false;
+
+  constructor(
+    private readonly store: Store,
+    private readonly world: World,
+    private readonly catalogue: Catalogue,
+    paper: PaperMethod,
+  ) {
+    const { settings, state } = store;
+    watch(
+      () => [...PLACEMENT_KEYS.map((key) => settings[key]), state.share, state.inventory],
+      () => this.place(!store.isAdopting),
+    );
+    watch(
+      () => [
+        settings.lookup,
+        settings.quality,
+        settings.background,
+        catalogue.assetChanges.value,
+        paper.arrivals.value,
+      ],
+      () => this.place(),
+    );
+  }
+
+  /**
+   * Places the trees. Existing ones keep moving, new ones appear with their first poses. `replant`: also for all who
+   * share the forest.
+   */
+  private place(replant = false): void {
+    const { settings, state, from_s } = this.store;
+    const { share, inventory } = state;
+    this.owed ||= replant;
+    // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
+    if (share !== null && !this.catalogue.isLoaded) return;
+    if (inventory === "loading") return;
+    const named = (species: string) => this.catalogue.uploadNamed(species);
+    const stand = inventory && { stems: inventory.stems, named };
+    const placed = plantForest(this.catalogue.assets, settings, stand);
+    const { lookup, method, poseEasing } = settings;
+    this.world.client.plan(
+      placed.flatMap((group) => this.clientGroup(group)),
+      {
+        lookup,
+        method,
+        poseEasing,
+        from_s,
+        share: share === null ? null : { id: share, replant: this.owed, about: placementOf(settings) },
+      },
+      () =>
+        this.world.show(placed, {
+          edge_m: woodReach_m(placed.map(({ instances }) => instances.placement)) + (stand ? OPEN_LAND_M : 0),
+          seed: settings.forestSeed,
+          density: settings.density,
+          shares: settings.shares,
+          assets: this.catalogue.assets,
+        }),
+    );
+    this.owed = false;
+  }
+
+  /** The group as the worker needs it; none if its trees have no table. */
+  private clientGroup({ asset: { id }, motion, instances }: PlacedSpecies): ClientGroup[] {
+    const leafTable = this.catalogue.leafMotion(id)?.sha256 ?? motion?.sha256;
+    if (!motion || !leafTable) return [];
+    const compliance = this.catalogue.find(id)?.tree.compliance_sha256 ?? null;
+    return [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id), compliance }];
+  }
+
+  /** Whether the server has the records of the table by which it knows these trees. */
+  private isRecorded(id: string): boolean {
+    const known = this.catalogue.find(id);
+    if (known === null) return false;
+    const shared = this.store.state.share !== null;
+    return isRecorded(shared ? { ...known, motion: this.catalogue.leafMotion(id) } : known);
+  }
+}

@@ -1,0 +1,33 @@
+/** How trees are drawn at a quality. */
+import { LEVEL_SHARES, PullSlots, type SpeciesOptions } from "galewood/trees";
+import { exaggeration } from "../../scene/exaggeration";
+import type { Quality } from "../../scene/quality";
+import { seasonal } from "../../scene/season/seasonal";
+import { aerialPerspective } from "../../scene/sky/air";
+import { cascadeReach_m } from "../../scene/sky/daylight";
+import type { Stage } from "../../scene/stage";
+import { materialsOf } from "../../scene/treeSurface/treeMaterial";
+
+/** `flutter`: clock and amplitude of the flutter of leaves. */
+export function speciesOptions(
+  quality: Quality,
+  { renderer: { capabilities } }: Stage,
+  flutter: SpeciesOptions["flutter"],
+): SpeciesOptions {
+  return {
+    materials: materialsOf({
+      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+      smoothEdges: quality !== "low",
+      gloss: quality === "high",
+      surface: seasonal,
+      atmosphere: aerialPerspective,
+    }),
+    maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
+    // If gloss is affordable, so are the shadows of all leaves.
+    shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], reach_m: cascadeReach_m },
+    shoots: quality !== "low",
+    pullsOf: (holds) => new PullSlots(holds),
+    flutter,
+    exaggeration,
+  };
+}

@@ -1,0 +1,80 @@
+/** Uploads of trees, chosen with the button or dropped anywhere on the page. */
+import type { DataFiles } from "../files/dataFiles";
+import { type Chosen, chosenFiles, droppedFiles, grouped, uploadOf } from "./fileGroups";
+import type { OwnUploads } from "./ownUploads";
+import { sendFile } from "./sendingDialog";
+import { Problem } from "../server/api";
+import { element } from "../ui/dom";
+import { showToast } from "../ui/toast";
+import { displayName } from "../ui/words";
+
+async function send(file: File, uploads: OwnUploads): Promise<void> {
+  try {
+    const tree = await sendFile(file);
+    if (!tree) return;
+    if (tree.state !== "uploaded" && tree.state !== "failed") {
+      uploads.add(tree.id, false);
+      showToast(
+        `${displayName(tree)} is already on the server`,
+        "The same file was uploaded before. One such tree is planted in the clearing of your forest.",
+        "good",
+      );
+      return;
+    }
+    const { OwnTreeDialog } = await import("../ownTree/dialog");
+    await new OwnTreeDialog(tree, uploads).open();
+  } catch (error) {
+    if (!(error instanceof Problem)) throw error;
+    showToast(error.title, error.hint);
+  }
+}
+
+/** Shows the dialogs one after another. Textures and buffers are sent with their mesh. */
+async function sendInTurn(files: readonly Chosen[], uploads: OwnUploads, data: DataFiles): Promise<void> {
+  const trees: Chosen[] = [];
+  for (const one of files) if (!(await data.take(one.file))) trees.push(one);
+  for (const group of grouped(trees)) await send(await uploadOf(group), uploads);
+}
+
+/** Accepts uploads until the returned function is called. */
+export function acceptUploads(uploads: OwnUploads, data: DataFiles): () => void {
+  const input = element<HTMLInputElement>("file");
+  const curtain = element("drop");
+  const life = new AbortController();
+  const { signal } = life;
+  element("upload").addEventListener("click", () => input.click(), { signal });
+  const sendAll = (files: readonly Chosen[]) => {
+    void sendInTurn(files, uploads, data);
+  };
+  const sendChosen = () => {
+    sendAll(chosenFiles(input.files ?? [])); // copied, because clearing the input empties the list
+    input.value = "";
+  };
+  input.addEventListener("change", sendChosen, { signal });
+  sendChosen(); // files chosen before this script was loaded
+  addEventListener(
+    "dragover",
+    (event) => {
+      event.preventDefault();
+      curtain.hidden = false;
+    },
+    { signal },
+  );
+  addEventListener(
+    "dragleave",
+    (event) => {
+      if (event.relatedTarget === null) curtain.hidden = true;
+    },
+    { signal },
+  );
+  addEventListener(
+    "drop",
+    (event) => {
+      event.preventDefault();
+      curtain.hidden = true;
+      if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(sendAll);
+    },
+    { signal },
+  );
+  return () => life.abort();
+}
