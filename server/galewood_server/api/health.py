@@ -8,14 +8,13 @@ from contextlib import closing
 from importlib.metadata import version
 
 from fastapi import APIRouter, Response
-from galewood.table import VERSION as TABLE_VERSION
+from galewood.constants import TABLE_VERSION, WIRE_VERSION
 from sqlalchemy import func, select
 from sqlalchemy.exc import SQLAlchemyError
 
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import Health, Liveness, Readiness
 from galewood_server.storage import ACTIVE, Job, Tree
-from galewood_server.stream import WIRE_VERSION
 
 router = APIRouter(tags=["service"])
 VERSION = version("galewood")

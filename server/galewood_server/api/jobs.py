@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
+from galewood.constants import STAGES_AFTER_TABLE
 from sqlalchemy import func, select
 
 from galewood_server.api.trees import KEPT_ROWS, find_tree, job_out

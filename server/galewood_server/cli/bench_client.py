@@ -17,8 +17,9 @@ import time
 from typing import Any, cast
 
 import numpy as np
+from galewood.constants import WIRE_FRAME
 
-from galewood_server.stream import FRAME, unpack_msgpack, wire
+from galewood_server.stream import unpack_msgpack, wire
 
 BYTES_PER_TREE = 256
 _HANDSHAKE = (
@@ -122,7 +123,7 @@ class Listener:
     def _take(self, opcode: int, start: int, length: int, now_s: float) -> None:
         if opcode == 9:
             self.link.send(masked(bytes(self._view[start : start + length]), 10))
-        elif opcode == 2 and self._buffer[start + 3] == FRAME:
+        elif opcode == 2 and self._buffer[start + 3] == WIRE_FRAME:
             end = start + 8 + int.from_bytes(self._buffer[start + 4 : start + 8], "little")
             header = cast(dict[str, Any], unpack_msgpack(self._view[start + 8 : end]))
             self.ages_s.append(now_s - header["made_s"])

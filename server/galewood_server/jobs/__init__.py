@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from galewood.util import lazily
 
 from galewood_server.jobs.analysis_files import PLOT
-from galewood_server.jobs.queue import AFTER_TABLE, add_job, find_job, queue_job, request_cancel
+from galewood_server.jobs.queue import add_job, find_job, queue_job, request_cancel
 from galewood_server.jobs.table_fingerprint import fingerprint
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
-    "AFTER_TABLE",
     "PLOT",
     "Supervisor",
     "add_job",

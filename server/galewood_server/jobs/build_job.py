@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
+from galewood.constants import RECORDS_STAGE, STAGES_AFTER_TABLE
 from galewood.pipeline import BuildOptions, BuildResult, Progress
 from galewood.util import kernels_compiled
 from sqlalchemy.orm import Session

@@ -6,11 +6,12 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
+from galewood.constants import STAGES_AFTER_TABLE
 from galewood.util import Cancelled
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from galewood_server.jobs.queue import AFTER_TABLE, end_job
+from galewood_server.jobs.queue import end_job
 from galewood_server.storage import Job, Sessions
 
 REPORT_S = 0.25
@@ -69,7 +70,7 @@ class Reached:
     @classmethod
     def of(cls, stage: str, fraction: float) -> Reached:
         """What a report says."""
-        return cls(AFTER_TABLE.index(stage) + 1 if stage in AFTER_TABLE else 0, fraction, stage)
+        return cls(STAGES_AFTER_TABLE.index(stage) + 1 if stage in STAGES_AFTER_TABLE else 0, fraction, stage)
 
 
 class ProgressReporter:

@@ -9,11 +9,6 @@ from sqlalchemy.orm import Session
 
 from galewood_server.storage import ACTIVE, Job, JobKind, Tree, utc_now
 
-RECORDS = "records"
-"""Stage of a build that computes the paper's records, after the complete table of the default method."""
-AFTER_TABLE = (RECORDS, "bare")
-"""Stages of a build after the complete table of the default method; the last computes the bare table."""
-
 
 def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
     """Queue a build of a tree's table. ProblemError 409 if one is already queued or running."""

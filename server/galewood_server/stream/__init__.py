@@ -1,7 +1,7 @@
 """Forest streaming: wire protocol, simulation on the server, and delivery to clients."""
 
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import WIRE_VERSION, WireError, pack_msgpack, unpack_msgpack
+from galewood_server.stream.envelope import WireError, pack_msgpack, unpack_msgpack
 from galewood_server.stream.forests import Forests, Subscription
 from galewood_server.stream.frame_meter import SocketLimits
 from galewood_server.stream.session_error import (
@@ -15,15 +15,12 @@ from galewood_server.stream.socket_protocol import SocketProtocol, metered_proto
 from galewood_server.stream.warming import warm_up
 from galewood_server.stream.wire import Failure, Hello, Reply, decode_reply, encode_request
 from galewood_server.stream.wire_forest import Forest, Method
-from galewood_server.stream.wire_frame import FRAME
 
 __all__ = [
-    "FRAME",
     "INVALID_DATA",
     "POLICY_VIOLATION",
     "TRY_AGAIN_LATER",
     "UNSUPPORTED_DATA",
-    "WIRE_VERSION",
     "Failure",
     "Forest",
     "Forests",

@@ -1,7 +1,6 @@
 """The message envelope of the wire protocol: prefix, msgpack header, padding, payload.
 
-Specified in docs/formats/wire.md; counterpart of web/player/src/core/wire/envelope.ts. The functions below
-`decode_message` validate header fields.
+Specified in docs/formats/wire.md. The functions below `decode_message` validate header fields.
 """
 
 from __future__ import annotations
@@ -12,12 +11,9 @@ from collections.abc import Callable
 from typing import Any, cast
 
 import msgpack
+from galewood.constants import WIRE_MAGIC, WIRE_MAX_HEADER_BYTES, WIRE_PREFIX_BYTES, WIRE_VERSION
 
-MAGIC = b"GW"
-WIRE_VERSION = 1
-PREFIX_BYTES = 8
-MAX_HEADER_BYTES = 128 * 1024
-"""Room for a state with three recorded winds."""
+MAGIC = WIRE_MAGIC.encode()
 MAX_TEXT_BYTES = 32 * 1024
 
 Header = dict[str, Any]
@@ -53,19 +49,19 @@ def encode_message(kind: int, header: Header, payload: bytes = b"") -> bytes:
 
 def decode_message(data: bytes) -> tuple[int, Header, bytes]:
     """Decode a message to its kind, header and payload. WireError."""
-    if len(data) < PREFIX_BYTES or data[:2] != MAGIC:
+    if len(data) < WIRE_PREFIX_BYTES or data[:2] != MAGIC:
         raise WireError("not a Galewood message: it must begin with the bytes 'GW'")
     if data[2] != WIRE_VERSION:
         raise WireError(
             f"wire version {data[2]}; this reader knows version {WIRE_VERSION}", "unknown-version"
         )
     (length,) = struct.unpack_from("<I", data, 4)
-    start = PREFIX_BYTES + length + (-length % 8)
-    if length > MAX_HEADER_BYTES or start > len(data):
+    start = WIRE_PREFIX_BYTES + length + (-length % 8)
+    if length > WIRE_MAX_HEADER_BYTES or start > len(data):
         raise WireError("the header is longer than the message, or than allowed")
-    if any(data[PREFIX_BYTES + length : start]):
+    if any(data[WIRE_PREFIX_BYTES + length : start]):
         raise WireError("the padding after the header is not zero")
-    return data[3], _unpack(data[PREFIX_BYTES : PREFIX_BYTES + length]), data[start:]
+    return data[3], _unpack(data[WIRE_PREFIX_BYTES : WIRE_PREFIX_BYTES + length]), data[start:]
 
 
 def _unpack(packed: bytes) -> Header:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from galewood_server.stream.wire_pull import MOST_PULLS, Pull, Vector
+from galewood.constants import MOST_PULLS_OF_FOREST
+
+from galewood_server.stream.wire_pull import Pull, Vector
 
 STILL: Vector = (0.0, 0.0, 0.0)
 
@@ -17,13 +19,13 @@ class ForestHands:
 
     def pull(self, client: object, pull: Pull) -> bool:
         """Begin or continue a pull; whether the forest has room for it."""
-        if client not in self._held and len(self._held) >= MOST_PULLS:
+        if client not in self._held and len(self._held) >= MOST_PULLS_OF_FOREST:
             return False
         self._held = {**self._held, client: pull}
         return True
 
     def release(self, client: object) -> None:
-        """Let go."""
+        """Release the tree."""
         self._held = {one: pull for one, pull in self._held.items() if one is not client}
 
     @property

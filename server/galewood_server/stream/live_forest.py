@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from galewood.constants import TICK_HZ
 
 from galewood_server.stream.client_buffer import ClientBuffer
 from galewood_server.stream.forest_hands import STILL, ForestHands
 from galewood_server.stream.frames import FrameHistory
 from galewood_server.stream.latest_values import LatestValues
 from galewood_server.stream.wire import (
-    TICK_HZ,
     Clock,
     Forest,
     Presence,

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from galewood.constants import PULL_EASE_S, PULL_SAME_PLACE_M
 from galewood.player import DragConstraint, PullError, WindDrivenTrees, point_response
 from galewood.table import Compliance, Table
 
@@ -15,9 +16,6 @@ from galewood_server.stream.wire_forest import Trees
 from galewood_server.stream.wire_pull import Pull, Pulling, Vector
 
 log = logging.getLogger("galewood.stream")
-SAME_PLACE_M = 0.05
-EASE_S = 0.7
-"""Time in which a tree of the paper's method, which has no oscillators, returns after a release."""
 
 
 @dataclass
@@ -25,7 +23,7 @@ class _Held:
     tree: int
     pull: Pull
     constraint: DragConstraint
-    left_s: float = EASE_S
+    left_s: float = PULL_EASE_S
     """Time in which a tree without oscillators still eases back, s."""
 
 
@@ -67,7 +65,7 @@ class GroupPulls:
     def _ease(self, forest: WindDrivenTrees, dt_s: float) -> None:
         for held in self._easing:
             held.left_s -= dt_s
-            share = max(held.left_s, 0.0) / EASE_S
+            share = max(held.left_s, 0.0) / PULL_EASE_S
             forest.q[held.tree] += share * share * (3.0 - 2.0 * share) * held.constraint.pose
         self._easing = [held for held in self._easing if held.left_s > 0.0]
 
@@ -96,7 +94,7 @@ class GroupPulls:
             return None
         gap = np.hypot(self._trees[:, 0] - x_m, self._trees[:, 1] - z_m)
         nearest = int(np.argmin(gap))
-        return nearest if gap[nearest] <= SAME_PLACE_M else None
+        return nearest if gap[nearest] <= PULL_SAME_PLACE_M else None
 
 
 def pullings(pulls: Iterable[Pull], groups: Iterable[GroupPulls]) -> tuple[Pulling, ...]:

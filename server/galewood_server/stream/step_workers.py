@@ -6,8 +6,9 @@ import asyncio
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
+from galewood.constants import TICK_HZ
+
 from galewood_server.stream.live_forest import LiveForest
-from galewood_server.stream.wire import TICK_HZ
 
 LATE_S = 0.25
 

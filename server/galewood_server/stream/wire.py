@@ -1,9 +1,8 @@
 """The wire protocol of /ws/forest, version 1: specified in docs/formats/wire.md.
 
-Counterpart of web/player/src/core/wire/wire.ts. Requests are sent by clients, replies by the server.
-envelope.py
-has the common message structure, wire_forest.py and wire_frame.py the messages with numeric payloads.
-Decoders validate all fields, so that later code need not check them.
+Requests are sent by clients, replies by the server. envelope.py has the common message structure,
+wire_forest.py and wire_frame.py the messages with numeric payloads. Decoders validate all fields, so that
+later code need not check them.
 """
 
 from __future__ import annotations
@@ -11,6 +10,28 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+from galewood.constants import (
+    WIRE_CLOCK,
+    WIRE_ERROR,
+    WIRE_FOREST,
+    WIRE_FRAME,
+    WIRE_GUST,
+    WIRE_HELLO,
+    WIRE_PAUSE,
+    WIRE_PING,
+    WIRE_PONG,
+    WIRE_PRESENCE,
+    WIRE_PULL,
+    WIRE_PULLS,
+    WIRE_RELEASE,
+    WIRE_RESYNC,
+    WIRE_SHARED,
+    WIRE_TABLE,
+    WIRE_WELCOME,
+    WIRE_WIND,
+    WIRE_WIND_STATE,
+)
 
 from galewood_server.stream.envelope import (
     Header,
@@ -24,25 +45,19 @@ from galewood_server.stream.envelope import (
     text_map,
     whole_number,
 )
+from galewood_server.stream.wire_forest import Forest as Forest
+from galewood_server.stream.wire_forest import Group as Group
+from galewood_server.stream.wire_forest import Method as Method
+from galewood_server.stream.wire_forest import Shared as Shared
 from galewood_server.stream.wire_forest import (
-    FOREST,
-    SHARED,
     decode_forest,
     decode_shared,
     encode_forest,
     encode_shared,
     is_share,
 )
-from galewood_server.stream.wire_forest import Forest as Forest
-from galewood_server.stream.wire_forest import Group as Group
-from galewood_server.stream.wire_forest import Method as Method
-from galewood_server.stream.wire_forest import Shared as Shared
-from galewood_server.stream.wire_frame import FRAME, Frame, Poses, Rows, decode_frame, encode_frame
+from galewood_server.stream.wire_frame import Frame, Poses, Rows, decode_frame, encode_frame
 from galewood_server.stream.wire_pull import (
-    GUST,
-    PULL,
-    PULLS,
-    RELEASE,
     Gust,
     Pull,
     Pulls,
@@ -59,7 +74,6 @@ from galewood_server.stream.wire_pull import (
 from galewood_server.stream.wire_pull import Pulling as Pulling
 
 __all__ = [
-    "TICK_HZ",
     "Clock",
     "Failure",
     "Forest",
@@ -92,13 +106,6 @@ __all__ = [
     "encode_request",
     "is_share",
 ]
-
-HELLO, WIND, PING, PAUSE, RESYNC = 1, 3, 4, 5, 6
-WELCOME, TABLE, ERROR, PONG, WIND_STATE, CLOCK = 65, 66, 68, 69, 70, 71
-PRESENCE = 74
-
-TICK_HZ = 30
-"""Frames per second of a stream and ticks per second of a forest's clock."""
 
 
 # ---- client to server ------------------------------------------------------------------------------
@@ -141,9 +148,9 @@ Request = Hello | Forest | WindChange | Ping | Pause | Resync | Pull | Release |
 
 
 _OF_HANDS: Mapping[int, Callable[[Header], Pull | Release | Gust]] = {
-    PULL: decode_pull,
-    RELEASE: decode_release,
-    GUST: decode_gust,
+    WIRE_PULL: decode_pull,
+    WIRE_RELEASE: decode_release,
+    WIRE_GUST: decode_gust,
 }
 
 
@@ -151,15 +158,15 @@ def encode_request(request: Request) -> bytes:
     """Encode a client message."""
     match request:
         case Hello():
-            return encode_message(HELLO, {"client": request.client})
+            return encode_message(WIRE_HELLO, {"client": request.client})
         case WindChange():
-            return encode_message(WIND, {"wind": dict(request.wind)})
+            return encode_message(WIRE_WIND, {"wind": dict(request.wind)})
         case Ping():
-            return encode_message(PING, {"t": request.t})
+            return encode_message(WIRE_PING, {"t": request.t})
         case Pause():
-            return encode_message(PAUSE, {"paused": request.paused})
+            return encode_message(WIRE_PAUSE, {"paused": request.paused})
         case Resync():
-            return encode_message(RESYNC, {})
+            return encode_message(WIRE_RESYNC, {})
         case Pull():
             return encode_pull(request)
         case Release():
@@ -173,23 +180,23 @@ def encode_request(request: Request) -> bytes:
 def decode_request(data: bytes) -> Request:
     """Decode a client message. WireError."""
     kind, header, payload = decode_message(data)
-    if kind == FOREST:
+    if kind == WIRE_FOREST:
         return decode_forest(header, payload)
     if payload:
         raise WireError("only a FOREST message has a payload")
-    if kind == HELLO:
+    if kind == WIRE_HELLO:
         check_fields(header, "client")
         return Hello(text(header, "client")[:200])
-    if kind == WIND:
+    if kind == WIRE_WIND:
         check_fields(header, "wind")
         return WindChange(text_map(header["wind"], "wind"))
-    if kind == PING:
+    if kind == WIRE_PING:
         check_fields(header, "t")
         return Ping(number(header, "t"))
-    if kind == PAUSE:
+    if kind == WIRE_PAUSE:
         check_fields(header, "paused")
         return Pause(boolean(header, "paused"))
-    if kind == RESYNC:
+    if kind == WIRE_RESYNC:
         check_fields(header)
         return Resync()
     if kind in _OF_HANDS:
@@ -267,21 +274,21 @@ def encode_reply(reply: Reply) -> bytes:
     match reply:
         case Welcome():
             header = {"server": reply.server, "version": reply.version, "tick_hz": reply.tick_hz}
-            return encode_message(WELCOME, header)
+            return encode_message(WIRE_WELCOME, header)
         case TableChunk():
             header = {"table": reply.table, "offset": reply.offset, "total": reply.total}
-            return encode_message(TABLE, header, reply.data)
+            return encode_message(WIRE_TABLE, header, reply.data)
         case Failure():
-            return encode_message(ERROR, {"code": reply.code, "title": reply.title, "hint": reply.hint})
+            return encode_message(WIRE_ERROR, {"code": reply.code, "title": reply.title, "hint": reply.hint})
         case Pong():
-            return encode_message(PONG, {"t": reply.t, "server_s": reply.server_s})
+            return encode_message(WIRE_PONG, {"t": reply.t, "server_s": reply.server_s})
         case WindState():
-            return encode_message(WIND_STATE, {"state": dict(reply.state)})
+            return encode_message(WIRE_WIND_STATE, {"state": dict(reply.state)})
         case Clock():
             header = {"time_s": reply.time_s, "made_s": reply.made_s, "paused": reply.paused}
-            return encode_message(CLOCK, header)
+            return encode_message(WIRE_CLOCK, header)
         case Presence():
-            return encode_message(PRESENCE, {"clients": reply.clients})
+            return encode_message(WIRE_PRESENCE, {"clients": reply.clients})
         case Shared():
             return encode_shared(reply)
         case Pulls():
@@ -293,11 +300,11 @@ def encode_reply(reply: Reply) -> bytes:
 def decode_reply(data: bytes) -> Reply:
     """Decode a server message. WireError."""
     kind, header, payload = decode_message(data)
-    if kind == FRAME:
+    if kind == WIRE_FRAME:
         return decode_frame(header, payload)
-    if kind == SHARED:
+    if kind == WIRE_SHARED:
         return decode_shared(header, payload)
-    if kind == TABLE:
+    if kind == WIRE_TABLE:
         check_fields(header, "table", "offset", "total")
         return _chunk(header, payload)
     if payload:
@@ -306,25 +313,25 @@ def decode_reply(data: bytes) -> Reply:
 
 
 def _decode_short(kind: int, header: Header) -> Reply:
-    if kind == WELCOME:
+    if kind == WIRE_WELCOME:
         check_fields(header, "server", "version", "tick_hz")
         return Welcome(text(header, "server"), whole_number(header, "version"), number(header, "tick_hz"))
-    if kind == ERROR:
+    if kind == WIRE_ERROR:
         check_fields(header, "code", "title", "hint")
         return Failure(text(header, "code"), text(header, "title"), text(header, "hint"))
-    if kind == PONG:
+    if kind == WIRE_PONG:
         check_fields(header, "t", "server_s")
         return Pong(number(header, "t"), number(header, "server_s"))
-    if kind == WIND_STATE:
+    if kind == WIRE_WIND_STATE:
         check_fields(header, "state")
         return WindState(text_map(header["state"], "state"))
-    if kind == CLOCK:
+    if kind == WIRE_CLOCK:
         check_fields(header, "time_s", "made_s", "paused")
         return Clock(number(header, "time_s"), number(header, "made_s"), boolean(header, "paused"))
-    if kind == PRESENCE:
+    if kind == WIRE_PRESENCE:
         check_fields(header, "clients")
         return Presence(whole_number(header, "clients"))
-    if kind == PULLS:
+    if kind == WIRE_PULLS:
         return decode_pulls(header)
     raise WireError(f"kind {kind} is not a message that servers send", "unknown-kind")
 

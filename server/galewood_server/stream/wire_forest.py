@@ -9,6 +9,7 @@ from typing import Any, Literal, cast
 
 import numpy as np
 import numpy.typing as npt
+from galewood.constants import FOREST_OPTIONS, MOST_ABOUT_ENTRIES, WIRE_FOREST, WIRE_SHARED
 
 from galewood_server.stream.envelope import (
     Header,
@@ -23,15 +24,10 @@ from galewood_server.stream.envelope import (
     whole_number,
 )
 
-FOREST, SHARED = 2, 72
-MAX_ABOUT = 32
-"""Maximum number of entries in a forest's `about`."""
-
 Mode = Literal["stream", "table"]
 Method = Literal["modal", "paper"]
 Trees = npt.NDArray[np.float32]
 About = Mapping[str, str | int | float | bool]
-OPTIONS = frozenset({"pose_easing", "method", "share", "replant", "about", "have"})
 _SHARE = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
@@ -85,7 +81,7 @@ def encode_forest(forest: Forest) -> bytes:
         "wind": dict(forest.wind),
         "time_s": forest.time_s,
     }
-    return encode_message(FOREST, header, np.ascontiguousarray(forest.trees, "<f4").tobytes())
+    return encode_message(WIRE_FOREST, header, np.ascontiguousarray(forest.trees, "<f4").tobytes())
 
 
 def decode_forest(header: Header, payload: bytes) -> Forest:
@@ -95,7 +91,7 @@ def decode_forest(header: Header, payload: bytes) -> Forest:
     if mode not in ("stream", "table"):
         raise WireError("mode must be 'stream' or 'table'")
     options = text_map(header["options"], "options")
-    check_fields(options, *options.keys() & OPTIONS)
+    check_fields(options, *options.keys() & set(FOREST_OPTIONS))
     groups = tuple(_group(entry) for entry in list_field(header, "groups"))
     has_trees = mode == "stream" or bool(payload)
     return Forest(
@@ -122,7 +118,7 @@ def encode_shared(shared: Shared) -> bytes:
         "method": shared.method,
         "about": dict(shared.about),
     }
-    return encode_message(SHARED, header, np.ascontiguousarray(shared.trees, "<f4").tobytes())
+    return encode_message(WIRE_SHARED, header, np.ascontiguousarray(shared.trees, "<f4").tobytes())
 
 
 def decode_shared(header: Header, payload: bytes) -> Shared:
@@ -181,8 +177,8 @@ def _share(options: Header) -> str:
 
 def _about(options: Header) -> About:
     about = text_map(options["about"], "about")
-    if len(about) > MAX_ABOUT:
-        raise WireError(f"about may have up to {MAX_ABOUT} entries")
+    if len(about) > MOST_ABOUT_ENTRIES:
+        raise WireError(f"about may have up to {MOST_ABOUT_ENTRIES} entries")
     for name, value in about.items():
         if (
             len(name) > 64
@@ -220,7 +216,7 @@ def _trees(payload: bytes, count: int) -> Trees:
         raise WireError(f"the payload has {len(payload)} bytes; {count} trees need {count * 16}")
     trees = np.frombuffer(payload, "<f4").reshape(count, 4)
     if not np.isfinite(trees).all() or (np.abs(trees) > 1e6).any():
-        raise WireError("a tree's place, yaw or scale is not a sensible number")
+        raise WireError("a tree's position, yaw or scale is not a valid number")
     if count and not ((trees[:, 3] >= 0.01) & (trees[:, 3] <= 100)).all():
         raise WireError("a tree's scale must lie in 0.01..100")
     return trees

@@ -1,4 +1,4 @@
-"""The message FRAME, which contains poses. Counterpart of web/player/src/core/wire/wireFrame.ts.
+"""The message FRAME, which contains poses.
 
 Poses are integers in units of `quantum` × the table's modes.scale. Key frames are int32. Other frames contain
 differences to another tick: int16 for the first `wide` modes, which move most, and int8 for the others.
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from galewood.constants import WIRE_FRAME
 
 from galewood_server.stream.envelope import (
     Header,
@@ -24,7 +25,6 @@ from galewood_server.stream.envelope import (
     whole_number,
 )
 
-FRAME = 67
 Poses = npt.NDArray[np.int32]
 
 
@@ -78,7 +78,7 @@ def encode_frame(frame: Frame) -> bytes:
         "made_s": frame.made_s,
         "groups": groups,
     }
-    return encode_message(FRAME, header, _payload(frame, wides))
+    return encode_message(WIRE_FRAME, header, _payload(frame, wides))
 
 
 def _payload(frame: Frame, wides: Sequence[int]) -> bytes:

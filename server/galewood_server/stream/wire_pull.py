@@ -5,6 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from galewood.constants import (
+    MOST_PULLS_OF_FOREST,
+    PULL_FORCE_N,
+    PULL_PLACE_M,
+    PULL_TARGET_M,
+    WIRE_GUST,
+    WIRE_PULL,
+    WIRE_PULLS,
+    WIRE_RELEASE,
+)
+
 from galewood_server.stream.envelope import (
     Header,
     WireError,
@@ -15,14 +26,6 @@ from galewood_server.stream.envelope import (
     text_map,
     whole_number,
 )
-
-PULL, RELEASE, GUST, PULLS = 7, 8, 9, 73
-PLACE_M = 1e6
-"""Largest coordinate of a place."""
-TARGET_M = 1e3
-FORCE_N = 1e9
-MOST_PULLS = 32
-"""Most pulls of one forest."""
 
 Vector = tuple[float, float, float]
 
@@ -40,7 +43,7 @@ class Pull:
 
 @dataclass(frozen=True)
 class Release:
-    """A hand lets go."""
+    """Releases the tree of a hand."""
 
     hand: int
 
@@ -71,7 +74,7 @@ class Pulls:
 
 def encode_pull(pull: Pull) -> bytes:
     """Encode PULL."""
-    return encode_message(PULL, _pull_header(pull))
+    return encode_message(WIRE_PULL, _pull_header(pull))
 
 
 def decode_pull(header: Header) -> Pull:
@@ -82,7 +85,7 @@ def decode_pull(header: Header) -> Pull:
 
 def encode_release(release: Release) -> bytes:
     """Encode RELEASE."""
-    return encode_message(RELEASE, {"hand": release.hand})
+    return encode_message(WIRE_RELEASE, {"hand": release.hand})
 
 
 def decode_release(header: Header) -> Release:
@@ -93,7 +96,7 @@ def decode_release(header: Header) -> Release:
 
 def encode_gust(gust: Gust) -> bytes:
     """Encode GUST."""
-    return encode_message(GUST, {"x": gust.x, "z": gust.z})
+    return encode_message(WIRE_GUST, {"x": gust.x, "z": gust.z})
 
 
 def decode_gust(header: Header) -> Gust:
@@ -105,21 +108,21 @@ def decode_gust(header: Header) -> Gust:
 def encode_pulls(pulls: Pulls) -> bytes:
     """Encode PULLS."""
     entries = [{**_pull_header(one.pull), "force": list(one.force)} for one in pulls.pulls]
-    return encode_message(PULLS, {"time_s": pulls.time_s, "pulls": entries})
+    return encode_message(WIRE_PULLS, {"time_s": pulls.time_s, "pulls": entries})
 
 
 def decode_pulls(header: Header) -> Pulls:
     """Decode PULLS. WireError."""
     check_fields(header, "time_s", "pulls")
     entries = [text_map(entry, "a pull") for entry in list_field(header, "pulls")]
-    if len(entries) > MOST_PULLS:
-        raise WireError(f"pulls must have at most {MOST_PULLS} entries")
+    if len(entries) > MOST_PULLS_OF_FOREST:
+        raise WireError(f"pulls must have at most {MOST_PULLS_OF_FOREST} entries")
     return Pulls(number(header, "time_s"), tuple(_pulling(entry) for entry in entries))
 
 
 def _pulling(entry: Header) -> Pulling:
     check_fields(entry, "hand", "x", "z", "vertex", "target", "force")
-    return Pulling(_pull(entry), _vector(entry, "force", FORCE_N))
+    return Pulling(_pull(entry), _vector(entry, "force", PULL_FORCE_N))
 
 
 def _pull_header(pull: Pull) -> dict[str, Any]:
@@ -138,12 +141,12 @@ def _pull(header: Header) -> Pull:
         _place(header, "x"),
         _place(header, "z"),
         whole_number(header, "vertex"),
-        _vector(header, "target", TARGET_M),
+        _vector(header, "target", PULL_TARGET_M),
     )
 
 
 def _place(header: Header, name: str) -> float:
-    return number(header, name, -PLACE_M, PLACE_M)
+    return number(header, name, -PULL_PLACE_M, PULL_PLACE_M)
 
 
 def _vector(header: Header, name: str, most: float) -> Vector:
