@@ -12,8 +12,19 @@ from typing import Any
 
 import msgpack
 import numpy as np
+from galewood.constants import (
+    WIRE_CLOCK,
+    WIRE_FOREST,
+    WIRE_FRAME,
+    WIRE_PAUSE,
+    WIRE_PING,
+    WIRE_PONG,
+    WIRE_RESYNC,
+    WIRE_TABLE,
+    WIRE_VERSION,
+)
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import MAGIC, WIRE_VERSION, encode_message
+from galewood_server.stream.envelope import MAGIC, encode_message
 
 HERE = Path(__file__).parent / "wire"
 TABLE = "0123456789abcdef" * 4
@@ -212,18 +223,18 @@ def frame_of(fields: dict[str, Any]) -> wire.Frame:
 
 def refused() -> dict[str, tuple[str, bytes]]:
     """Invalid messages by name: the receiving side, and the bytes."""
-    ping = encode_message(wire.PING, {"t": 0.5})
+    ping = encode_message(WIRE_PING, {"t": 0.5})
     row = {"count": 1, "modes": 1, "quantum": 1, "wide": 1}
     frame = {"tick": 0, "base": None, "time_s": 0.5, "made_s": 0.5, "groups": [row]}
     forest = {"mode": "stream", "groups": [], "options": {}, "wind": {}, "time_s": 0.5}
     group = [{"table": TABLE, "count": 1}]
     tree = struct.pack("<4f", 0, 0, 0, 1)
-    odd = encode_message(wire.PING, {"t": 0.5})
+    odd = encode_message(WIRE_PING, {"t": 0.5})
 
     def forest_with(payload: bytes = b"", **changes: Any) -> bytes:
-        return encode_message(wire.FOREST, {**forest, **changes}, payload)
+        return encode_message(WIRE_FOREST, {**forest, **changes}, payload)
 
-    def raw(packed: bytes | None, kind: int = wire.PING) -> bytes:
+    def raw(packed: bytes | None, kind: int = WIRE_PING) -> bytes:
         assert packed is not None
         prefix = MAGIC + bytes([WIRE_VERSION, kind]) + struct.pack("<I", len(packed))
         return prefix + packed + bytes(-len(packed) % 8)
@@ -237,18 +248,18 @@ def refused() -> dict[str, tuple[str, bytes]]:
         "header cut off": ("server", ping[:-8]),
         "padding not zero": ("server", odd[:-1] + b"\x01"),
         "unknown kind": ("server", encode_message(99, {})),
-        "reply sent to server": ("server", encode_message(wire.PONG, {"t": 0.5})),
+        "reply sent to server": ("server", encode_message(WIRE_PONG, {"t": 0.5})),
         "header not msgpack": ("server", raw(b"\xc1" * 8)),
         "header not a map": ("server", raw(msgpack.packb([1, 2, 3]))),
         "keys not text": ("server", raw(msgpack.packb({1: 2}))),
         "text not UTF-8": ("server", raw(b"\x81\xa1t\xa2\xff\xfe")),
         "bytes after the map": ("server", raw((msgpack.packb({"t": 0.5}) or b"") + b"\x01")),
         "deep nesting": ("server", raw(b"\x91" * 3000)),
-        "missing field": ("server", encode_message(wire.PING, {})),
-        "unknown field": ("server", encode_message(wire.PING, {"t": 0.5, "u": 1})),
-        "number is text": ("server", encode_message(wire.PING, {"t": "1"})),
-        "number not finite": ("server", encode_message(wire.PING, {"t": float("nan")})),
-        "number is a truth value": ("server", encode_message(wire.PING, {"t": True})),
+        "missing field": ("server", encode_message(WIRE_PING, {})),
+        "unknown field": ("server", encode_message(WIRE_PING, {"t": 0.5, "u": 1})),
+        "number is text": ("server", encode_message(WIRE_PING, {"t": "1"})),
+        "number not finite": ("server", encode_message(WIRE_PING, {"t": float("nan")})),
+        "number is a truth value": ("server", encode_message(WIRE_PING, {"t": True})),
         "pull of two numbers": ("server", encode_message(7, {**PULL, "target": [0.5, 0.5]})),
         "pull too far": ("server", encode_message(7, {**PULL, "target": [0.5, 0.5, 1000.5]})),
         "pull without a tree": ("server", encode_message(7, {**PULL, "x": float("nan")})),
@@ -269,8 +280,8 @@ def refused() -> dict[str, tuple[str, bytes]]:
             "server",
             forest_with(tree, mode="table", groups=[{"table": TABLE, "count": 2}]),
         ),
-        "paused is a number": ("server", encode_message(wire.PAUSE, {"paused": 1})),
-        "resync with a field": ("server", encode_message(wire.RESYNC, {"tick": 1})),
+        "paused is a number": ("server", encode_message(WIRE_PAUSE, {"paused": 1})),
+        "resync with a field": ("server", encode_message(WIRE_RESYNC, {"tick": 1})),
         "name of a shared forest": ("server", forest_with(options={"share": "../etc"})),
         "no name of a shared forest": ("server", forest_with(options={"share": ""})),
         "long name of a shared forest": ("server", forest_with(options={"share": "a" * 65})),
@@ -288,24 +299,24 @@ def refused() -> dict[str, tuple[str, bytes]]:
         "easing out of range": ("server", forest_with(options={"pose_easing": 1.5})),
         "wind not a map": ("server", forest_with(wind=[])),
         "request sent to client": ("client", ping),
-        "frame too short": ("client", encode_message(wire.FRAME, frame, b"\0\0")),
-        "base not a number": ("client", encode_message(wire.FRAME, {**frame, "base": True}, bytes(4))),
+        "frame too short": ("client", encode_message(WIRE_FRAME, frame, b"\0\0")),
+        "base not a number": ("client", encode_message(WIRE_FRAME, {**frame, "base": True}, bytes(4))),
         "more wide modes than modes": (
             "client",
-            encode_message(wire.FRAME, {**frame, "base": 0, "groups": [{**row, "wide": 2}]}, bytes(3)),
+            encode_message(WIRE_FRAME, {**frame, "base": 0, "groups": [{**row, "wide": 2}]}, bytes(3)),
         ),
         "no quantum": (
             "client",
-            encode_message(wire.FRAME, {**frame, "groups": [{**row, "quantum": 0}]}, bytes(4)),
+            encode_message(WIRE_FRAME, {**frame, "groups": [{**row, "quantum": 0}]}, bytes(4)),
         ),
         "huge frame": (
             "client",
-            encode_message(wire.FRAME, {**frame, "groups": [{**row, "count": 2**40, "modes": 2**12}]}),
+            encode_message(WIRE_FRAME, {**frame, "groups": [{**row, "count": 2**40, "modes": 2**12}]}),
         ),
-        "clock without a pause": ("client", encode_message(wire.CLOCK, {"time_s": 0.5, "made_s": 0.5})),
+        "clock without a pause": ("client", encode_message(WIRE_CLOCK, {"time_s": 0.5, "made_s": 0.5})),
         "chunk past the end": (
             "client",
-            encode_message(wire.TABLE, {"table": TABLE, "offset": 0, "total": 1}, b"ab"),
+            encode_message(WIRE_TABLE, {"table": TABLE, "offset": 0, "total": 1}, b"ab"),
         ),
     }
 

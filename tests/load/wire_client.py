@@ -8,8 +8,9 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from galewood.constants import WIRE_FRAME
 from galewood_server.cli.bench_client import masked
-from galewood_server.stream import FRAME, wire
+from galewood_server.stream import wire
 
 PATIENCE_S = 30.0
 SMALL_BUFFER = 4096
@@ -108,7 +109,7 @@ class Watcher:
                 raise Refused(str(code))
             if opcode == 9:
                 self.writer.write(masked(payload, 10))
-            elif opcode == 2 and payload[3] == FRAME:
+            elif opcode == 2 and payload[3] == WIRE_FRAME:
                 self.frames += 1
                 self.on_frame()
 

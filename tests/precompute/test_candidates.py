@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.constants import SEARCH_ANY_AIR
 from galewood.pipeline.assemble import internal_states, spread_pa
-from galewood.player.paper_search import ANY, SearchArrays, best_candidate, brute_force, nearest_pressure
+from galewood.player.paper_search import SearchArrays, best_candidate, brute_force, nearest_pressure
 from galewood.search import candidates, contenders, envelope
 from galewood.search.candidates import Rule, Search, air_of, build_search, gain_bound
 from galewood.search.similarity import InternalStates, compared, mismatch_rows
@@ -46,7 +47,7 @@ def differences(
             + rng.normal(size=2) * rng.choice([0, 0.03, 0.3, 3]) * rule.sigma_pa
         )
         row = mismatch_rows(layout, c, c + 1)[0] / states.components
-        for wanted in (ANY, 0, 1):
+        for wanted in (SEARCH_ANY_AIR, 0, 1):
             if wanted == 0 and air.calm[c]:
                 continue  # this is a first step, which does not use the candidates
             found = best_candidate(arrays, c, weight, wanted, f[0], f[1])
@@ -173,8 +174,8 @@ def test_nearest_pressure_matches_a_full_search() -> None:
     search = SearchArrays(nothing, nothing, np.zeros(0), pressure, calm, barred, by_x, 1.0)
     for _ in range(500):
         f = rng.choice([rng.normal(size=2) * 6, rng.integers(-8, 9, size=2).astype(float)])
-        for air in (ANY, 0, 1):
-            allowed = ~barred & ((calm == air) if air != ANY else True)
+        for air in (SEARCH_ANY_AIR, 0, 1):
+            allowed = ~barred & ((calm == air) if air != SEARCH_ANY_AIR else True)
             gaps = np.where(allowed, ((f - pressure) ** 2).sum(axis=1), np.inf)
             expected = int(np.argmin(gaps)) if allowed.any() else -1
             assert nearest_pressure(search, air, f[0], f[1]) == expected

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.table.format import TENSORS, Table, decode, encode
-from galewood.table.records import RECORD_TENSORS
+from galewood.table.format import TABLE_LAYOUT, Table, decode, encode
+from galewood.table.records import RECORDS_LAYOUT
 
 from tests.golden.make import beam_table, sway_steps
 
@@ -99,7 +99,7 @@ def test_the_records_may_come_in_a_file_of_their_own() -> None:
 
 
 def same_tensors(one: Table, other: Table) -> None:
-    for field, _, _ in TENSORS.values():
+    for field, _, _ in TABLE_LAYOUT.values():
         assert np.array_equal(getattr(one, field), getattr(other, field)), field
-    for field, _, _ in RECORD_TENSORS.values():
+    for field, _, _ in RECORDS_LAYOUT.values():
         assert np.array_equal(getattr(one.records, field), getattr(other.records, field)), field

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from galewood.table import decode, encode, encode_records, with_records
 from galewood.table.container import TableError, read_metadata
-from galewood.table.format import TENSORS, Table
-from galewood.table.records import RECORD_TENSORS, decode_records
+from galewood.table.format import TABLE_LAYOUT, Table
+from galewood.table.records import RECORDS_LAYOUT, decode_records
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from safetensors.numpy import load, save
@@ -20,16 +20,16 @@ GOLDEN = Path(__file__).parents[1] / "golden"
 FILE = (GOLDEN / "pole.safetensors").read_bytes()
 ALONE, RECORDS = ((GOLDEN / f"pole-{name}.safetensors").read_bytes() for name in ("table", "records"))
 TABLE = decode(FILE)
-FIELDS = TENSORS | RECORD_TENSORS
+FIELDS = TABLE_LAYOUT | RECORDS_LAYOUT
 
 
 def value(table: Table, name: str) -> Any:
-    return getattr(table if name in TENSORS else table.records, FIELDS[name][0])
+    return getattr(table if name in TABLE_LAYOUT else table.records, FIELDS[name][0])
 
 
 def changed(name: str, values: np.ndarray) -> Table:
     field = FIELDS[name][0]
-    if name in TENSORS:
+    if name in TABLE_LAYOUT:
         return replace(TABLE, **{field: values})
     return replace(TABLE, paper=replace(TABLE.records, **{field: values}))
 

@@ -7,22 +7,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.constants import TRANSITION_S, WIND_MODELS
 from galewood.util import Floats
 from galewood.wind import Wind, WindField, WindState, crown_carried, crown_field, write_gusts
-from galewood.wind.document import FOREST_WAVES, MODELS, Wave
+from galewood.wind.document import DEFAULT_WAVES, Wave
 from galewood.wind.recording import quantised
-from galewood.wind.transition import TRANSITION_S, change_wind, parse_state, steady
+from galewood.wind.transition import change_wind, parse_state, steady
 
 X_M, Z_M = np.array([-40.0, 0.0, 7.5, 210.0]), np.array([3.0, 0.0, -90.0, 55.0])
 PLACES_M = np.array([[0.5, 9.0, -0.5], [-1.0, 4.0, 1.5]])
-WAVES = (FOREST_WAVES, (Wave(0.3, 0.6, 0.4), Wave(0.9, 0.4, 0.0, 0.25)))
+WAVES = (DEFAULT_WAVES, (Wave(0.3, 0.6, 0.4), Wave(0.9, 0.4, 0.0, 0.25)))
 
 RECORDINGS = tuple(quantised(np.random.default_rng(seed).normal(size=(40, 2)), 0.7) for seed in (11, 12))
 
 
 def random_wind(rng: np.random.Generator) -> Wind:
     """A wind of any model; seeds, lengths and waves often stay the same, as when only a slider is moved."""
-    model = str(rng.choice(MODELS, p=[0.3, 0.1, 0.3, 0.15, 0.15]))
+    model = str(rng.choice(WIND_MODELS, p=[0.3, 0.1, 0.3, 0.15, 0.15]))
     own: dict[str, Any] = (
         {"waves": WAVES[int(rng.integers(2))], "heading_swing_deg": float(rng.choice([12.0, 40.0]))}
         if model == "cosine"

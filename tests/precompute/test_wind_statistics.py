@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.constants import EDDY_GRID, TURBULENCE_PER_GUSTINESS
 from galewood.wind.evaluation import Wind, WindField
-from galewood.wind.models.frame import TURBULENCE_PER_GUSTINESS
-from galewood.wind.models.navier_stokes import GRID, Eddies
+from galewood.wind.models.navier_stokes import Eddies
 from scipy.signal import welch
 
 LENGTH_M, CONVECTION_M_S, MEAN_M_S = 20.0, 8.0, 10.0
@@ -142,7 +142,7 @@ def test_eddies_stay_bounded_and_divergence_free_for_ten_thousand_steps() -> Non
 
 def divergence_share(eddies: Eddies) -> float:
     """Mean |∂u/∂x + ∂v/∂y| relative to the mean magnitude of the gradient, by central differences."""
-    u, v = eddies.velocity.reshape(2, GRID, GRID)
+    u, v = eddies.velocity.reshape(2, EDDY_GRID, EDDY_GRID)
 
     def d(a: np.ndarray, axis: int) -> np.ndarray:
         return 0.5 * (np.roll(a, -1, axis) - np.roll(a, 1, axis))

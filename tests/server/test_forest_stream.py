@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from galewood.constants import TICK_HZ, WIRE_FOREST, WIRE_VERSION
 from galewood.table import format as table_format
 from galewood.wind.evaluation import Wind, WindState, parse_state, parse_wind_or_state
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import WIRE_VERSION, encode_message
+from galewood_server.stream.envelope import encode_message
 from galewood_server.stream.forest import ForestClock, ForestStepper
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -87,7 +88,7 @@ class Client:
             assert isinstance(welcome, wire.Welcome)
             assert (welcome.version, welcome.tick_hz) == (
                 WIRE_VERSION,
-                wire.TICK_HZ,
+                TICK_HZ,
             ) and "galewood" in welcome.server
 
     def send(self, request: wire.Request) -> None:
@@ -207,7 +208,7 @@ def test_a_wind_change_is_answered_with_the_applied_wind(server: Server) -> None
             if count == 20:
                 client.send(wire.WindChange(new.document()))
             while stepper.time_s < frame.time_s - 1e-9:
-                if client.state and abs(stepper.time_s + 1 / wire.TICK_HZ - client.state.since_s) < 1e-6:
+                if client.state and abs(stepper.time_s + 1 / TICK_HZ - client.state.since_s) < 1e-6:
                     assert stepper.clock.change_wind(new).travel == pytest.approx(client.state.travel)
                 stepper.step()
             np.testing.assert_allclose(np.vstack(stepper.poses()), np.vstack(poses), atol=1)
@@ -329,7 +330,7 @@ def test_text_messages_are_rejected(server: Server) -> None:
 
 def test_an_oversized_message_closes_the_socket(server: Server) -> None:
     with Client(server) as client:
-        client.socket.send(encode_message(wire.FOREST, {}, bytes(200_000)))
+        client.socket.send(encode_message(WIRE_FOREST, {}, bytes(200_000)))
         with pytest.raises(ConnectionClosed) as closed:
             client.receive()
         assert closed.value.rcvd is not None and closed.value.rcvd.code == 1009

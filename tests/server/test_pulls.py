@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from galewood.constants import MOST_PULLS_OF_FOREST
 from galewood.player import point_response
 from galewood.table import decode
 from galewood.wind.evaluation import Wind
 from galewood_server.stream import wire
 from galewood_server.stream.forest_hands import ForestHands
 from galewood_server.stream.pulls import GroupPulls
-from galewood_server.stream.wire_pull import MOST_PULLS
 
 from tests.server.conftest import Server
 from tests.server.test_forest_stream import POLE, SHA256, Client, forest, trees
@@ -109,12 +109,12 @@ def test_gust_fronts_reach_everyone_and_are_limited(server: Server) -> None:
 
 def test_a_forest_has_room_for_a_limited_number_of_hands() -> None:
     hands = ForestHands()
-    clients = [object() for _ in range(MOST_PULLS + 1)]
+    clients = [object() for _ in range(MOST_PULLS_OF_FOREST + 1)]
     taken = [hands.pull(client, pull(k, (0.1, 0.0, 0.0))) for k, client in enumerate(clients)]
-    assert taken == [True] * MOST_PULLS + [False]
+    assert taken == [True] * MOST_PULLS_OF_FOREST + [False]
     hands.release(clients[0])
     assert hands.pull(clients[-1], pull(99, (0.1, 0.0, 0.0)))
-    assert len(hands.pulls) == MOST_PULLS
+    assert len(hands.pulls) == MOST_PULLS_OF_FOREST
 
 
 @pytest.mark.parametrize("method", ["modal", "paper"])

@@ -13,7 +13,7 @@ from typing import Any
 import httpx
 import pytest
 import zstandard
-from galewood.table import VERSION as TABLE_VERSION
+from galewood.constants import TABLE_VERSION
 from galewood_server.http.etags import etag_matches
 from galewood_server.storage.encodings import coding_of
 

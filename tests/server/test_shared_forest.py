@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.constants import TICK_HZ
 from galewood.wind.evaluation import Wind, parse_wind_or_state
 from galewood.wind.transition import at
 from galewood_server.stream import wire
@@ -87,7 +88,7 @@ def test_a_wind_change_applies_to_all_clients(server: Server) -> None:
         assert state is not None
         for frame, poses in seen:
             while stepper.time_s < frame.time_s - 1e-9:
-                if abs(stepper.time_s + 1 / wire.TICK_HZ - state.since_s) < 1e-6:
+                if abs(stepper.time_s + 1 / TICK_HZ - state.since_s) < 1e-6:
                     assert at(stepper.clock.change_wind(new), 7.0).travel == pytest.approx(
                         at(state, 7.0).travel
                     )
@@ -110,10 +111,10 @@ def test_a_pause_applies_to_all_clients(server: Server) -> None:
         time.sleep(0.5)
         first.send(wire.Pause(False))
         while not (isinstance(told := second.receive(), wire.Clock) and not told.paused):
-            assert not isinstance(told, wire.Frame) or told.time_s <= 5.0 + 60 / wire.TICK_HZ
+            assert not isinstance(told, wire.Frame) or told.time_s <= 5.0 + 60 / TICK_HZ
         stopped_s = told.time_s
         frame = next(reply for reply in iter(second.receive, None) if isinstance(reply, wire.Frame))
-        assert frame.time_s == pytest.approx(stopped_s, abs=2 / wire.TICK_HZ)
+        assert frame.time_s == pytest.approx(stopped_s, abs=2 / TICK_HZ)
 
 
 def test_replaced_trees_reach_all_clients(server: Server) -> None:

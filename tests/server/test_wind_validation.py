@@ -10,8 +10,9 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from galewood.constants import MOST_RECORDING_SAMPLES
 from galewood.wind.evaluation import PRESETS, Wind, parse_state
-from galewood.wind.recording import MOST_SAMPLES, quantised
+from galewood.wind.recording import quantised
 from galewood_server.stream import wire
 from websockets.sync.client import connect
 
@@ -41,7 +42,7 @@ def test_valid_winds_are_returned_in_their_shortest_form(server: Server) -> None
 
 def longest_recording() -> Wind:
     """A recorded wind of the largest size."""
-    values = np.random.default_rng(3).normal(size=(MOST_SAMPLES, 2))
+    values = np.random.default_rng(3).normal(size=(MOST_RECORDING_SAMPLES, 2))
     return Wind(model="recorded", recording=quantised(values, 0.1))
 
 

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.constants import WIRE_PING, WIRE_VERSION
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import MAGIC, WIRE_VERSION, WireError, decode_message, encode_message
+from galewood_server.stream.envelope import MAGIC, WireError, decode_message, encode_message
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
@@ -60,7 +61,7 @@ def test_invalid_messages_are_rejected(case: dict[str, Any]) -> None:
 
 
 def test_another_version_is_rejected() -> None:
-    data = bytearray(encode_message(wire.PING, {"t": 0.5}))
+    data = bytearray(encode_message(WIRE_PING, {"t": 0.5}))
     data[2] = 7
     with pytest.raises(WireError, match=f"7; this reader knows version {WIRE_VERSION}") as session_error:
         wire.decode_request(bytes(data))

@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { LONGEST, NodePose, turn } from "../../web/player/src/core/motion/nodePose";
+import { LONGEST_LINK } from "../../web/player/src/core/constants";
+import { NodePose, turn } from "../../web/player/src/core/motion/nodePose";
 import { decodeTable } from "../../web/player/src/core/table/table";
 import { tableMotion } from "../../web/player/src/worker/table/tableMotion";
 import { golden } from "./golden";
@@ -45,7 +46,7 @@ describe("the drawn vertices", () => {
         const before = parent[node];
         const link = [0, 1, 2].map((axis) => rest_m[3 * node + axis] - rest_m[3 * before + axis]);
         const now = link.map((length, axis) => length + moved[3 * node + axis] - moved[3 * before + axis]);
-        expect(Math.hypot(...now)).toBeLessThanOrEqual(LONGEST * Math.hypot(...link) + 1e-5);
+        expect(Math.hypot(...now)).toBeLessThanOrEqual(LONGEST_LINK * Math.hypot(...link) + 1e-5);
       }
     }
   });
