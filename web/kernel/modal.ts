@@ -3,12 +3,8 @@
 // ../player/src/core/modal/modalKernel.ts defines the memory layout. One of three implementations of the step, with
 // ../player/src/core/modal/modalForest.ts and numba in precompute/galewood/modal/; see docs/design/0010-kernel.md.
 
+import { MODAL_REACH, MODAL_REST } from "./constants";
 import { perSpeeds, shelteredSpeeds } from "./pressure";
-
-/** Arguments of the polynomials are clamped to this multiple of the sampled range. */
-const CLAMP_RATIO: f32 = 1.25;
-/** In still air, motion below this fraction of the sampled range is set to zero. */
-const REST_RATIO: f32 = 1e-7;
 
 /** End of the constants that the compiler placed in the memory. */
 export const constantsEnd: usize = __heap_base;
@@ -112,7 +108,7 @@ function writeShape(x: f32, y: f32, row: usize): void {
   store<f32>(terms, x * yy, 20);
   store<f32>(terms, yy * y, 24);
   for (let j = 0; j < coupled; j++) {
-    const far = CLAMP_RATIO * load<f32>(limits + 4 * j, 12);
+    const far = MODAL_REACH * load<f32>(limits + 4 * j, 12);
     const z = min(max(load<f32>(row + 4 * j, 8), -far), far);
     store<f32>(terms + 8 * j, z * x, 28);
     store<f32>(terms + 8 * j, z * y, 32);
@@ -153,8 +149,8 @@ function writeProducts(factor: f32, x: f32, y: f32, shapes: usize, to: usize): u
 @inline
 function writeCoupled(x: f32, y: f32, speed: usize, to: usize): void {
   for (let j = 0; j < coupled; j++, to += 16) {
-    const far = CLAMP_RATIO * load<f32>(limits + 4 * j, 12);
-    const fast = CLAMP_RATIO * load<f32>(limits + 4 * (coupled + j), 12);
+    const far = MODAL_REACH * load<f32>(limits + 4 * j, 12);
+    const fast = MODAL_REACH * load<f32>(limits + 4 * (coupled + j), 12);
     const z = min(max(load<f32>(ahead + 4 * j, 8), -far), far);
     const w = min(max(load<f32>(speed + 4 * j, 8), -fast), fast);
     store<f32>(to, w * x);
@@ -218,19 +214,19 @@ function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void 
     v128.store(ahead + k, f32x4.add(v128.load(position + k), f32x4.mul(half, v128.load(speed + k))));
   }
   projectOnSway(ahead);
-  clampPair(CLAMP_RATIO * load<f32>(limits));
+  clampPair(MODAL_REACH * load<f32>(limits));
   const x = pairX;
   const y = pairY;
   writeShape(x, y, ahead);
   let to = terms + 28 + 8 * coupled;
   projectOnSway(speed);
-  clampPair(CLAMP_RATIO * load<f32>(limits, 4));
+  clampPair(MODAL_REACH * load<f32>(limits, 4));
   writeSquares(x, y, to);
   to = writeProducts(pairX, x, y, 3, to + 36);
   to = writeProducts(pairY, x, y, 3, to);
   pairX = px;
   pairY = pz;
-  clampPair(CLAMP_RATIO * load<f32>(limits, 8));
+  clampPair(MODAL_REACH * load<f32>(limits, 8));
   to = writeProducts(pairX, x, y, 7, to);
   to = writeProducts(pairY, x, y, 7, to);
   writeCoupled(x, y, speed, to);
@@ -238,11 +234,11 @@ function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void 
 
 /** Whether the motion is negligible, so that a tree in still air can be set to rest. */
 function isAtRest(position: usize, speed: usize): bool {
-  const small = REST_RATIO * load<f32>(limits);
+  const small = MODAL_REST * load<f32>(limits);
   projectOnSway(position);
   if (max(abs(pairX), abs(pairY)) > small) return false;
   projectOnSway(speed);
-  if (max(abs(pairX), abs(pairY)) > REST_RATIO * load<f32>(limits, 4)) return false;
+  if (max(abs(pairX), abs(pairY)) > MODAL_REST * load<f32>(limits, 4)) return false;
   let largest: f32 = 0;
   for (let k: usize = 0; k < ownRow; k += 4) largest = max(largest, abs(load<f32>(position + k)));
   return largest * max(abs(load<f32>(sway)), abs(load<f32>(sway + ownRow))) < small;
@@ -332,7 +328,7 @@ function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
   const reach = sqrt(pairX * pairX + pairY * pairY) / far;
   const pressed = sqrt(px * px + pz * pz) / load<f32>(limits, 8);
   store<f32>(extrapolationRatio + 4 * tree, max(reach, pressed));
-  clampPair(CLAMP_RATIO * far);
+  clampPair(MODAL_REACH * far);
   // Behind the pressure, which the pose is linear in, the same terms as the force's first ones.
   writeShape(pairX, pairY, position);
   const row = ownRow + furtherRow;

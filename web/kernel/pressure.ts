@@ -1,31 +1,31 @@
 // The pressure law of ../player/src/core/wind/pressure.ts in single precision, for four drag points at a time.
 
-/** Exponent of the pressure above the speed at which crowns streamline. */
-const STREAMLINED_EXPONENT: f32 = 1.3;
-const STREAMLINING_SPEED_M_S: f32 = 5;
-/** Half the density of air, kg/m³, and the dynamic pressure at that speed, Pa. */
-const HALF_DENSITY: f32 = 0.6;
-const STREAMLINING_PA: f32 = 15;
+import {
+  HALF_AIR_DENSITY_KG_M3,
+  STREAMLINED_EXPONENT,
+  STREAMLINING_PRESSURE_PA,
+  STREAMLINING_SPEED_M_S,
+} from "./constants";
 
-/** The sheltered speed at a pressure (Pa), quadratic up to STREAMLINING_PA. */
+/** The sheltered speed at a pressure (Pa), quadratic up to STREAMLINING_PRESSURE_PA. */
 function speedOf(pressure_pa: f32): f32 {
-  if (pressure_pa <= STREAMLINING_PA) return sqrt(pressure_pa / HALF_DENSITY);
-  return STREAMLINING_SPEED_M_S * Mathf.pow(pressure_pa / STREAMLINING_PA, (1.0 as f32) / STREAMLINED_EXPONENT);
+  if (pressure_pa <= STREAMLINING_PRESSURE_PA) return sqrt(pressure_pa / HALF_AIR_DENSITY_KG_M3);
+  return STREAMLINING_SPEED_M_S * Mathf.pow(pressure_pa / STREAMLINING_PRESSURE_PA, (1.0 as f32) / STREAMLINED_EXPONENT);
 }
 
 /** Pressure over speed at a speed, linear up to STREAMLINING_SPEED_M_S. */
 function perSpeed(speed_m_s: f32): f32 {
-  if (speed_m_s <= STREAMLINING_SPEED_M_S) return HALF_DENSITY * speed_m_s;
+  if (speed_m_s <= STREAMLINING_SPEED_M_S) return HALF_AIR_DENSITY_KG_M3 * speed_m_s;
   const ratio = Mathf.pow(speed_m_s / STREAMLINING_SPEED_M_S, STREAMLINED_EXPONENT - (1.0 as f32));
-  return HALF_DENSITY * STREAMLINING_SPEED_M_S * ratio;
+  return HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S * ratio;
 }
 
 /** The sheltered speeds at four pressures (Pa). Weak wind takes no powers. */
 // @ts-ignore: decorator
 @inline
 export function shelteredSpeeds(pressure_pa: v128): v128 {
-  let speed = f32x4.sqrt(f32x4.mul(pressure_pa, f32x4.splat((1.0 as f32) / HALF_DENSITY)));
-  if (v128.any_true(f32x4.gt(pressure_pa, f32x4.splat(STREAMLINING_PA)))) {
+  let speed = f32x4.sqrt(f32x4.mul(pressure_pa, f32x4.splat((1.0 as f32) / HALF_AIR_DENSITY_KG_M3)));
+  if (v128.any_true(f32x4.gt(pressure_pa, f32x4.splat(STREAMLINING_PRESSURE_PA)))) {
     speed = f32x4.replace_lane(speed, 0, speedOf(f32x4.extract_lane(pressure_pa, 0)));
     speed = f32x4.replace_lane(speed, 1, speedOf(f32x4.extract_lane(pressure_pa, 1)));
     speed = f32x4.replace_lane(speed, 2, speedOf(f32x4.extract_lane(pressure_pa, 2)));
@@ -38,7 +38,7 @@ export function shelteredSpeeds(pressure_pa: v128): v128 {
 // @ts-ignore: decorator
 @inline
 export function perSpeeds(speed: v128): v128 {
-  let per = f32x4.mul(speed, f32x4.splat(HALF_DENSITY));
+  let per = f32x4.mul(speed, f32x4.splat(HALF_AIR_DENSITY_KG_M3));
   if (v128.any_true(f32x4.gt(speed, f32x4.splat(STREAMLINING_SPEED_M_S)))) {
     per = f32x4.replace_lane(per, 0, perSpeed(f32x4.extract_lane(speed, 0)));
     per = f32x4.replace_lane(per, 1, perSpeed(f32x4.extract_lane(speed, 1)));

@@ -1,4 +1,5 @@
 /** The wind anywhere and at any time: documents, their evaluation, gust fronts, spectra and plain editing. */
+export { FRONT_LIFE_S, MOST_FRONTS } from "./core/constants";
 export {
   meanVelocity_m_s,
   type PlainWind,
@@ -8,7 +9,7 @@ export {
   withMean,
   withPlain,
 } from "./core/wind/edit";
-export { FRONT_LIFE_S, type Front, frontExtent, MOST_FRONTS, travelled_m } from "./core/wind/fronts";
+export { type Front, frontExtent, travelled_m } from "./core/wind/fronts";
 export { rootsOfUnity, transformRows } from "./core/wind/models/fourier";
 export {
   dynamicPressure,

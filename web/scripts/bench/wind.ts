@@ -1,5 +1,6 @@
 /** Time per frame of the wind of a large forest, for each model. */
-import { hasField, MODELS, type WindDocument, type WindModel } from "../../player/src/core/wind/document";
+import { TICK_HZ, WIND_MODELS } from "../../player/src/core/constants";
+import { hasField, type WindDocument, type WindModel } from "../../player/src/core/wind/document";
 import { WindField } from "../../player/src/core/wind/field";
 
 export interface WindTiming {
@@ -9,11 +10,11 @@ export interface WindTiming {
   readonly prepare_ms: number;
 }
 
-const FRAME_S = 1 / 30;
+const FRAME_S = 1 / TICK_HZ;
 
 /** Time (ms) to compute the pressure at every tree in one frame. */
 export function benchWind(trees = 10_000, frames = 60): Record<WindModel, WindTiming> {
-  const timings = MODELS.map((model) => [model, benchModel(model, trees, frames)] as const);
+  const timings = WIND_MODELS.map((model) => [model, benchModel(model, trees, frames)] as const);
   return Object.fromEntries(timings) as Record<WindModel, WindTiming>;
 }
 

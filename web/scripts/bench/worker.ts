@@ -3,12 +3,13 @@
  * software rasteriser would compete for the processor.
  */
 import type { Browser, Page } from "@playwright/test";
+import { TICK_HZ } from "../../player/src/core/constants";
 import { openPage, untilMoving } from "./page";
 import { type Figure, median } from "./report";
 
 const TREE_COUNT = 10_000;
 const FRAME_COUNT = 90;
-const FRAME_S = 1 / 30;
+const FRAME_S = 1 / TICK_HZ;
 const DEFAULT_METHOD = "modal";
 const MODELS = ["cosine", "perlin", "spectral", "navier-stokes"] as const;
 

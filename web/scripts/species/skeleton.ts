@@ -1,4 +1,5 @@
 import type { Vector3 } from "three";
+import { BREAST_HEIGHT_M } from "../../player/src/core/constants";
 
 /** One section of a branch. Parents precede their children. */
 export interface SkeletonNode {
@@ -35,7 +36,6 @@ export interface Girth {
 const STEM_TIP = 1.8;
 /** No branch is thicker at its base than this share of its parent's radius. */
 const MOST_OF_PARENT = 0.65;
-const BREAST_HEIGHT_M = 1.3;
 
 /** Scales and moves the tree in place: base at the origin, top of the wood at `height_m`. */
 export function scaleToHeight(nodes: SkeletonNode[], height_m: number): void {

@@ -1,4 +1,5 @@
 /** How an uploaded tree is expected to move, read from its import report, and how stiff it is to be. Pure. */
+import { LINEAR_SWAY_SHARE } from "../../constants";
 
 export interface Sway {
   readonly wind_m_s: number;
@@ -62,13 +63,11 @@ export function lengthInWords(length_m: number): string {
   return length_m >= 0.0001 ? `${Number((1000 * length_m).toPrecision(1))} mm` : "less than 0.1 mm";
 }
 
-/** Sway over height beyond which the linear response overestimates. */
-const LINEAR_SHARE = 0.2;
-
 /** The sways as one sentence. */
 export function swaysInWords(sways: readonly Sway[]): string {
   const each = sways.map(({ wind_m_s, sway_m, share }) => {
-    if (share > LINEAR_SHARE) return `more than ${100 * LINEAR_SHARE} % of its height at ${wind_m_s} m/s`;
+    if (share > LINEAR_SWAY_SHARE)
+      return `more than ${100 * LINEAR_SWAY_SHARE} % of its height at ${wind_m_s} m/s`;
     const percent =
       share >= 1e-5 ? String(Number((100 * share).toPrecision(share < 0.1 ? 1 : 2))) : "less than 0.001";
     return `${lengthInWords(sway_m)} (${percent} % of its height) at ${wind_m_s} m/s`;

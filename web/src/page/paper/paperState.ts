@@ -1,5 +1,6 @@
 /** What is known about the paper's method for one tree, and its words. Pure. */
 
+import { RECORDS_STAGE, STAGES_AFTER_TABLE } from "../../constants";
 import { isActive, type Job } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
 import { displayName, tableWords } from "../ui/words";
@@ -8,9 +9,7 @@ export type PaperState =
   | { readonly kind: "ready" | "loading" | "later" | "missing" | "bare" }
   | { readonly kind: "computing"; readonly fraction: number };
 
-const RECORDS_STAGE = "records";
-/** Stages of a build after the complete table. */
-const AFTER_TABLE: readonly string[] = [RECORDS_STAGE, "bare"];
+const AFTER_TABLE: readonly string[] = STAGES_AFTER_TABLE;
 const MOST_LINES = 4;
 
 /** Whether the table is complete and only the paper's records or the bare table are still being computed. */

@@ -1,15 +1,14 @@
 /**
  * Motion of a tree's parts under gusts that differ from place to place in its crown: linear oscillators, in addition to
- * the modal model. Same as precompute/galewood/modal/gusts.py. Nothing is allocated per step.
+ * the modal model. Nothing is allocated per step.
  */
-import { MAX_STEPS_PER_ADVANCE, type Stepping } from "../motion/treeInstances";
+import { GUST_LAYER_REST, MAX_STEPS_PER_ADVANCE } from "../constants";
+import type { Stepping } from "../motion/treeInstances";
 import type { Table } from "../table/table";
 import { CrownGusts } from "../wind/crown";
 import type { Moment } from "../wind/glide";
 import { speedOfPressure_m_s } from "../wind/pressure";
 
-/** In still air a motion (m, m/s) below this is set to exactly zero. */
-const STILL_MOTION_M = 1e-6;
 /** Trees whose gusts have faded out come to rest below this (m, m/s). */
 const FADED_MOTION_M = 1e-3;
 
@@ -110,7 +109,7 @@ export class GustLayer {
       local[g + 1] = gusts[g] * z + gusts[g + 1] * x;
     }
     const perSpeed = strength > 0 ? strength / speedOfPressure_m_s(strength) : 0;
-    const small = share === 0 ? FADED_MOTION_M : strength === 0 ? STILL_MOTION_M : 0;
+    const small = share === 0 ? FADED_MOTION_M : strength === 0 ? GUST_LAYER_REST : 0;
     for (let n = Math.min(steps, MAX_STEPS_PER_ADVANCE); n > 0; n--) this.stepTree(i, perSpeed, small);
   }
 

@@ -1,9 +1,10 @@
+import { ISOTROPIC_DRAG } from "../constants";
 import { pressurePerSpeed, speedOfPressure_m_s } from "../wind/pressure";
-import { dragInputs, ISOTROPIC, type ModalTensors } from "./modalTensors";
+import { dragInputs, type ModalTensors } from "./modalTensors";
 
 /**
- * Drag at a few points of the crown, from the velocity of the sheltered air relative to them. Twin of
- * precompute/galewood/modal/drag.py, which explains it.
+ * Drag at a few points of the crown, from the velocity of the sheltered air relative to them.
+ * precompute/galewood/modal/drag.py explains it.
  */
 export class ModalDrag {
   private readonly point: Float64Array;
@@ -44,7 +45,7 @@ export class ModalDrag {
       this.push(area * perSpeed * y, m + j, total);
       this.push(area * (perSpeed * z - share * pz), 2 * m + j, total);
     }
-    for (let k = 0; k < d; k++) total[k] -= ISOTROPIC * rest[k] * mean * v[k];
+    for (let k = 0; k < d; k++) total[k] -= ISOTROPIC_DRAG * rest[k] * mean * v[k];
   }
 
   private speed(v: Float64Array, row: number): number {

@@ -6,17 +6,13 @@
  * one, and AssemblyScript (web/kernel/modal.ts). See docs/design/0010-kernel.md.
  */
 
+import { MODAL_REACH, MODAL_REST } from "../constants";
 import { type Numbers, TreeInstances } from "../motion/treeInstances";
 import { fittedModes, type Table } from "../table/table";
 import { addRows } from "./addRows";
 import { ModalDrag } from "./modalDrag";
 import { ModalKernel } from "./modalKernel";
 import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
-
-/** Arguments of the polynomials are clamped to this multiple of the sampled range. */
-const CLAMP_RATIO = 1.25;
-/** In still air, motion below this fraction of the sampled range is set to zero. */
-const REST_RATIO = 1e-7;
 
 /** Trees of one table, each with its own state, orientation and time scale. */
 export class ModalForest extends TreeInstances {
@@ -194,7 +190,7 @@ export class ModalForest extends TreeInstances {
     terms[at + 5] = x * yy;
     terms[at + 6] = yy * y;
     for (let j = 0; j < c; j++) {
-      const far = CLAMP_RATIO * limits[3 + j];
+      const far = MODAL_REACH * limits[3 + j];
       const z = Math.min(Math.max(values[first + 2 + j], -far), far);
       terms[at + 7 + 2 * j] = z * x;
       terms[at + 8 + 2 * j] = z * y;
@@ -207,18 +203,18 @@ export class ModalForest extends TreeInstances {
     const half = this.dt / 2;
     for (let k = 0; k < d; k++) ahead[k] = e[first + k] + half * v[first + k];
     this.projectOnSway(ahead, 0);
-    this.clampPair(CLAMP_RATIO * limits[0]);
+    this.clampPair(MODAL_REACH * limits[0]);
     const x = pair[0];
     const y = pair[1];
     this.writeShape(x, y, ahead, 0, 0);
     const at = 7 + 2 * this.c;
     this.projectOnSway(v, first);
-    this.clampPair(CLAMP_RATIO * limits[1]);
+    this.clampPair(MODAL_REACH * limits[1]);
     this.writeSquares(x, y, at);
     this.writeProducts(x, y, 3, at + 9);
     pair[0] = px;
     pair[1] = pz;
-    this.clampPair(CLAMP_RATIO * limits[2]);
+    this.clampPair(MODAL_REACH * limits[2]);
     this.writeProducts(x, y, 7, at + 19);
     this.writeCoupled(x, y, first, at + 37);
   }
@@ -227,8 +223,8 @@ export class ModalForest extends TreeInstances {
   private writeCoupled(x: number, y: number, first: number, at: number): void {
     const { c, v, ahead, terms, limits, pair } = this;
     for (let j = 0, to = at; j < c; j++) {
-      const far = CLAMP_RATIO * limits[3 + j];
-      const fast = CLAMP_RATIO * limits[3 + c + j];
+      const far = MODAL_REACH * limits[3 + j];
+      const fast = MODAL_REACH * limits[3 + c + j];
       const z = Math.min(Math.max(ahead[2 + j], -far), far);
       const w = Math.min(Math.max(v[first + 2 + j], -fast), fast);
       terms[to++] = w * x;
@@ -269,11 +265,11 @@ export class ModalForest extends TreeInstances {
   /** Whether the motion is negligible, so that a tree in still air can be set to rest. */
   private isAtRest(first: number): boolean {
     const { d, e, sway, limits, pair } = this;
-    const small = REST_RATIO * limits[0];
+    const small = MODAL_REST * limits[0];
     this.projectOnSway(e, first);
     if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > small) return false;
     this.projectOnSway(this.v, first);
-    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > REST_RATIO * limits[1]) return false;
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > MODAL_REST * limits[1]) return false;
     let largest = 0;
     for (let k = 0; k < d; k++) largest = Math.max(largest, Math.abs(e[first + k]));
     return largest * Math.max(Math.abs(sway[0]), Math.abs(sway[d])) < small;
@@ -289,7 +285,7 @@ export class ModalForest extends TreeInstances {
     this.projectOnSway(e, first);
     const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
     this.extrapolationRatio[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
-    this.clampPair(CLAMP_RATIO * limits[0]);
+    this.clampPair(MODAL_REACH * limits[0]);
     this.writeShape(pair[0], pair[1], e, first, d + 2);
     further.fill(0);
     addRows(this.pose, terms, poseTerms(d, c), r - d, further);

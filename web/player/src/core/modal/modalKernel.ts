@@ -2,8 +2,9 @@
  * The modal step in WebAssembly, compiled from web/kernel/modal.ts: memory layout and instantiation. One of three
  * implementations of the step, see docs/design/0010-kernel.md.
  */
+import { ISOTROPIC_DRAG } from "../constants";
 import { MODAL_KERNEL } from "./modalKernel.wasm";
-import { coupledOf, dragInputs, ISOTROPIC, type ModalTensors } from "./modalTensors";
+import { coupledOf, dragInputs, type ModalTensors } from "./modalTensors";
 
 const PAGE_BYTES = 65_536;
 /** Floats per SIMD vector; rows are padded to a multiple. */
@@ -82,7 +83,7 @@ function dragTensors({ dragPoint, dragShape, dragRest }: ModalTensors, d: number
   for (let j = 0; j < m; j++) {
     point[j] = dragPoint[2 * j];
     point[full + j] = dragPoint[2 * j + 1];
-    point[2 * full + j] = (ISOTROPIC * dragPoint[2 * j]) / whole;
+    point[2 * full + j] = (ISOTROPIC_DRAG * dragPoint[2 * j]) / whole;
     for (let side = 0; side < 3; side++) {
       const row = dragShape.subarray((side * m + j) * d, (side * m + j + 1) * d);
       out.set(row, (side * full + j) * own);

@@ -1,4 +1,5 @@
 // Tensors of the modal reduced-order model and their numbers of rows.
+import { FEWEST_DRAG_INPUTS } from "../constants";
 
 /** d dynamic coordinates (oscillators), c of them coupled, r displayed modes. */
 export interface ModalTensors {
@@ -24,12 +25,9 @@ export interface ModalTensors {
   readonly dragRest: Float32Array;
 }
 
-/** Mean over all directions of the derivative of a quadratic drag, over pressure per speed. */
-export const ISOTROPIC = 4 / 3;
-
-/** Number of oscillators whose speed determines the velocity of the drag points: the first half, or eight. */
+/** Number of oscillators whose speed determines the velocity of the drag points: the first half, but not too few. */
 export function dragInputs(oscillators: number): number {
-  return Math.min(oscillators, Math.max(8, Math.floor(oscillators / 2)));
+  return Math.min(oscillators, Math.max(FEWEST_DRAG_INPUTS, Math.floor(oscillators / 2)));
 }
 
 /** Number of coupled coordinates, from the length of `limits`. */

@@ -1,7 +1,8 @@
 /**
- * Where the vertices of a table are drawn, on the CPU. Pure. Same as precompute/galewood/table/drawn.py and the shaders of
- * trees/, which explain it.
+ * Where the vertices of a table are drawn, on the CPU. Pure. The shaders of trees/ do the same;
+ * precompute/galewood/skinning/node_pose.py explains it.
  */
+import { LONGEST_LINK, MOST_LINK_STRETCH } from "../constants";
 
 /** The part of a table's motion that decides where vertices are drawn: n nodes, j joints. */
 export interface Jointed {
@@ -22,11 +23,6 @@ export interface Jointed {
   /** Joint of each render vertex. */
   readonly vertexJoint: Uint16Array;
 }
-
-/** Length of a link between nodes, relative to rest, from which it is shortened. */
-export const LONGEST = 1.02;
-/** Stretch of a link up to which it is taken off the rotation: that of a linear motion at an angle of 60°. */
-export const MOST_STRETCH = 2;
 
 /** Displacements and rotations of the nodes and joints of a tree in one pose. */
 export class NodePose {
@@ -87,9 +83,9 @@ export class NodePose {
         rest += link * link;
       }
       const length = Math.sqrt(squared);
-      const stretch = Math.min(MOST_STRETCH, Math.max(1, length / Math.max(Math.sqrt(rest), 1e-12)));
+      const stretch = Math.min(MOST_LINK_STRETCH, Math.max(1, length / Math.max(Math.sqrt(rest), 1e-12)));
       const share =
-        before === node ? 0 : Math.max(0, 1 - (LONGEST * Math.sqrt(rest)) / Math.max(length, 1e-12));
+        before === node ? 0 : Math.max(0, 1 - (LONGEST_LINK * Math.sqrt(rest)) / Math.max(length, 1e-12));
       for (let axis = 0; axis < 3; axis++) {
         excess[3 * node + axis] = share * now[axis] + (before === node ? 0 : excess[3 * before + axis]);
         turned[3 * node + axis] /= stretch;

@@ -4,29 +4,28 @@
  * Nothing is allocated per step.
  */
 
+import { EXPONENTIAL_SQUARINGS, EXPONENTIAL_TERMS, SEARCH_ANY_AIR, SEARCH_SNAP } from "../constants";
 import { lastRecords, poses, type Records } from "../table/records";
 import { fittedModes, type Table } from "../table/table";
 import { TreeInstances } from "./treeInstances";
 
-/** Pose easing snaps to the record's pose once the offset and its velocity are within half an integer step. */
-const SNAP = 0.5;
-
-const TERMS = new Float64Array(12);
-for (let n = 0, factorial = 1; n < 12; factorial *= ++n) TERMS[n] = (n % 2 === 0 ? 1 : -1) / factorial;
+/** Taylor series of exp(−t) for small t. */
+const TERMS = new Float64Array(EXPONENTIAL_TERMS);
+for (let n = 0, factorial = 1; n < EXPONENTIAL_TERMS; factorial *= ++n)
+  TERMS[n] = (n % 2 === 0 ? 1 : -1) / factorial;
 
 /** 1 − exp(−exponent) for exponent ≥ 0, from sums and products only, so that it is bit-identical in all languages. */
 export function gaussian(exponent: number): number {
-  const t = Math.min(exponent, 50) / 256;
-  let p = TERMS[11];
-  for (let n = 10; n >= 0; n--) p = p * t + TERMS[n];
-  for (let doubling = 0; doubling < 8; doubling++) p *= p;
+  const t = Math.min(exponent, 50) / 2 ** EXPONENTIAL_SQUARINGS;
+  let p = TERMS[EXPONENTIAL_TERMS - 1];
+  for (let n = EXPONENTIAL_TERMS - 2; n >= 0; n--) p = p * t + TERMS[n];
+  for (let squaring = 0; squaring < EXPONENTIAL_SQUARINGS; squaring++) p *= p;
   return 1 - p;
 }
 
-/** Which records a search considers: those in moving air, in still air (exactly zero pressure), or all. */
+/** Which records a search considers: those in moving air, or in still air (exactly zero pressure). */
 const MOVING = 0;
 const STILL = 1;
-const ANY = -1;
 
 export interface LookupOptions {
   /** 0..1: how fast the pose approaches that of the found record; 0 accumulates as in the paper. Default: the table's. */
@@ -82,7 +81,7 @@ export class TableSearch {
       if (dx * dx > best) break;
       const distance = dx * dx + dz * dz;
       const better = distance < best || (distance === best && j < found);
-      if (better && barred[j] === 0 && (air === ANY || calm[j] === air)) {
+      if (better && barred[j] === 0 && (air === SEARCH_ANY_AIR || calm[j] === air)) {
         best = distance;
         found = j;
       }
@@ -111,7 +110,7 @@ export class TableSearch {
       const internal = (1 - weight) * this.error[s];
       if (internal > best) break; // sorted by internal error: no later candidate can be better
       const j = candidate[s];
-      if (air !== ANY && this.calm[j] !== air) continue;
+      if (air !== SEARCH_ANY_AIR && this.calm[j] !== air) continue;
       const dx = fx - pressure[2 * j];
       const dz = fz - pressure[2 * j + 1];
       const total = internal + weight * gaussian((dx * dx + dz * dz) * this.halfPrecision);
@@ -168,9 +167,9 @@ export class PaperForest extends TreeInstances {
   protected step(i: number, fx: number, fz: number): void {
     const { initial, maximum, growth } = this.records.metadata.weight;
     const state = this.record[i] + 1;
-    const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : ANY;
+    const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : SEARCH_ANY_AIR;
     let found = this.search.find(state, this.weight[i], air, fx, fz);
-    if (found < 0) found = this.search.find(state, this.weight[i], ANY, fx, fz); // no record for this kind of air: search all
+    if (found < 0) found = this.search.find(state, this.weight[i], SEARCH_ANY_AIR, fx, fz); // no record for this kind of air: search all
     const follows = state > 0 && found === state;
     this.weight[i] = follows ? Math.min(maximum, this.weight[i] + growth) : initial;
     this.record[i] = found;
@@ -201,7 +200,7 @@ export class PaperForest extends TreeInstances {
       const speed = keep * (now[at] - before[at] - came) - pull * offset;
       before[at] = now[at];
       now[at] = pose[(found + 1) * r + k] + (offset + speed);
-      settled = settled && Math.abs(offset + speed) < SNAP && Math.abs(speed) < SNAP;
+      settled = settled && Math.abs(offset + speed) < SEARCH_SNAP && Math.abs(speed) < SEARCH_SNAP;
     }
     if (!settled) return;
     for (let k = 0; k < r; k++) now[i * r + k] = pose[(found + 1) * r + k];

@@ -1,10 +1,8 @@
 /**
- * Instances of one tree: position, orientation and size, and the stepping of each at its own time scale. Same as
- * precompute/galewood/player/. Nothing is allocated per frame.
+ * Instances of one tree: position, orientation and size, and the stepping of each at its own time scale. Nothing is
+ * allocated per frame.
  */
-
-/** After a long pause a tree resumes instead of catching up. */
-export const MAX_STEPS_PER_ADVANCE = 8;
+import { MAX_STEPS_PER_ADVANCE } from "../constants";
 
 export type Numbers = Float64Array | Float32Array;
 

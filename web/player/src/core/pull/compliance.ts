@@ -1,13 +1,20 @@
 /**
- * The compliance file: how a tree yields to forces at its points. Specified in docs/formats/compliance.md; same as
- * precompute/galewood/table/compliance.py. Everything is validated, so that it can be solved without bounds checks.
+ * The compliance file: how a tree yields to forces at its points. Specified in docs/formats/compliance.md.
+ * Everything is validated, so that it can be solved without bounds checks.
  */
+import {
+  BINDING_CORNERS,
+  COMPLIANCE_FORMAT,
+  COMPLIANCE_TENSORS,
+  COMPLIANCE_VERSION,
+  MAX_COMPLIANCE_NODES,
+  WHOLE_WEIGHT,
+} from "../constants";
 import {
   checkFilled,
   checkFinite,
   checkFormat,
   checkShapes,
-  type Layout,
   need,
   readContainer,
   readTensors,
@@ -16,14 +23,6 @@ import {
   valuesOf,
   whole,
 } from "../table/container";
-
-const FORMAT = "galewood-compliance";
-const VERSION = 1;
-const MOST_NODES = 65534;
-/** Points of the solid that a vertex of the render mesh follows. */
-export const CORNERS = 4;
-/** Sum of the weights of a row. */
-export const WHOLE_WEIGHT = 65535;
 
 /**
  * Cholesky factor of the tangent stiffness in 3 × 3 blocks: n free nodes in elimination order, b blocks, w rows of
@@ -50,26 +49,15 @@ export interface Compliance {
   readonly vertexRow: Uint32Array;
 }
 
-const TENSORS: Layout = {
-  "factor.pointer": ["U32", 1],
-  "factor.rows": ["U16", 1],
-  "factor.blocks": ["F32", 2],
-  "nodes.mass_kg": ["F32", 1],
-  "nodes.limit_n": ["F32", 1],
-  "bind.node": ["U16", 2],
-  "bind.weight": ["U16", 2],
-  "bind.vertex_row": ["U32", 1],
-};
-
 /** Decodes a compliance file. Throws TableError that names the fault. */
 export function decodeCompliance(file: ArrayBuffer | Uint8Array): Compliance {
   const container = readContainer(file);
-  checkFormat(container.metadata, FORMAT, VERSION);
+  checkFormat(container.metadata, COMPLIANCE_FORMAT, COMPLIANCE_VERSION);
   const { mesh_sha256 } = container.metadata;
-  const tensors = readTensors(container, TENSORS);
-  refuseUnknown(container.header, TENSORS);
+  const tensors = readTensors(container, COMPLIANCE_TENSORS);
+  refuseUnknown(container.header, COMPLIANCE_TENSORS);
   checkFilled(container);
-  const free = whole(container.metadata, "nodes", MOST_NODES);
+  const free = whole(container.metadata, "nodes", MAX_COMPLIANCE_NODES);
   const [blocks] = shapeOf(tensors, "factor.rows");
   const [rows] = shapeOf(tensors, "bind.node");
   checkShapes(tensors, {
@@ -77,8 +65,8 @@ export function decodeCompliance(file: ArrayBuffer | Uint8Array): Compliance {
     "factor.blocks": [blocks, 9],
     "nodes.mass_kg": [free],
     "nodes.limit_n": [free],
-    "bind.node": [rows, CORNERS],
-    "bind.weight": [rows, CORNERS],
+    "bind.node": [rows, BINDING_CORNERS],
+    "bind.weight": [rows, BINDING_CORNERS],
   });
   checkFinite(tensors);
   const values = (name: string) => valuesOf(tensors, name);
@@ -118,10 +106,10 @@ function checkFactor({ free, pointer, rows, blocks, mass_kg, limit_N }: Complian
 }
 
 function checkBinding({ free, node, weight, vertexRow }: Compliance): void {
-  const rows = node.length / CORNERS;
+  const rows = node.length / BINDING_CORNERS;
   for (let row = 0; row < rows; row++) {
     let sum = 0;
-    for (let k = row * CORNERS; k < (row + 1) * CORNERS; k++) {
+    for (let k = row * BINDING_CORNERS; k < (row + 1) * BINDING_CORNERS; k++) {
       need(node[k] <= free, "tensor bind.node: out of range");
       sum += weight[k];
     }

@@ -1,13 +1,9 @@
 /**
  * A drag constraint: a limited force that pulls a point of a tree towards a target. Forces and places in the
- * tree's frame, at scale 1. Same as `DragConstraint` in precompute/galewood/player/pulling.py.
+ * tree's frame, at scale 1.
  */
+import { PULL_LAG_S, PULL_STRETCH_SHARE } from "../constants";
 import type { PointResponse } from "./pointResponse";
-
-/** Directions in which a point yields less than this share of its mean barely move. */
-const STRETCH_SHARE = 0.12;
-/** Time constant with which the force follows the target. */
-const LAG_S = 0.05;
 
 export type Vector = readonly [number, number, number];
 
@@ -20,7 +16,7 @@ export class DragConstraint {
 
   constructor(readonly response: PointResponse) {
     const c = response.compliance;
-    const soft = (STRETCH_SHARE * (c[0] + c[4] + c[8])) / 3;
+    const soft = (PULL_STRETCH_SHARE * (c[0] + c[4] + c[8])) / 3;
     // damped least squares: stiff directions, along a branch, would need enormous forces
     const square = product(c, c);
     for (let k = 0; k < 9; k += 4) square[k] += soft * soft + 1e-30;
@@ -36,7 +32,7 @@ export class DragConstraint {
     for (let i = 0; i < 3; i++)
       goal[i] = forceOf[3 * i] * wanted[0] + forceOf[3 * i + 1] * wanted[1] + forceOf[3 * i + 2] * wanted[2];
     limit(goal, response.limit_N);
-    const share = dt_s / (LAG_S + dt_s);
+    const share = dt_s / (PULL_LAG_S + dt_s);
     for (let i = 0; i < 3; i++) {
       const change = share * (goal[i] - force_N[i]);
       force_N[i] += change;

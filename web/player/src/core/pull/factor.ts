@@ -1,5 +1,6 @@
-/** Solves with the factor of a tree's stiffness. Same as `solve_factor` in precompute/galewood/fem/factor.py. */
-import { CORNERS, type Compliance, WHOLE_WEIGHT } from "./compliance";
+/** Solves with the factor of a tree's stiffness. */
+import { BINDING_CORNERS, WHOLE_WEIGHT } from "../constants";
+import type { Compliance } from "./compliance";
 
 /** Forward and backward substitution in place: forces [n, 3] in N become displacements in m. */
 export function solveFactor({ free, pointer, rows, blocks: v }: Compliance, b: Float64Array): void {
@@ -41,10 +42,10 @@ export function solveFactor({ free, pointer, rows, blocks: v }: Compliance, b: F
 
 /** [3, n, 3]: displacement of the nodes under unit forces along x, y and z on a vertex. */
 export function unitResponses(of: Compliance, vertex: number): Float64Array[] {
-  const row = of.vertexRow[vertex] * CORNERS;
+  const row = of.vertexRow[vertex] * BINDING_CORNERS;
   return [0, 1, 2].map((axis) => {
     const b = new Float64Array(3 * of.free);
-    for (let k = row; k < row + CORNERS; k++) {
+    for (let k = row; k < row + BINDING_CORNERS; k++) {
       if (of.node[k] < of.free) b[3 * of.node[k] + axis] += of.weight[k] / WHOLE_WEIGHT;
     }
     solveFactor(of, b);
@@ -55,7 +56,7 @@ export function unitResponses(of: Compliance, vertex: number): Float64Array[] {
 /** Displacement of a row of the binding along one axis when the nodes move by u [n, 3]. */
 export function displacementOfRow(of: Compliance, u: Float64Array, row: number, axis: number): number {
   let sum = 0;
-  for (let k = row * CORNERS; k < (row + 1) * CORNERS; k++) {
+  for (let k = row * BINDING_CORNERS; k < (row + 1) * BINDING_CORNERS; k++) {
     if (of.node[k] < of.free) sum += (of.weight[k] / WHOLE_WEIGHT) * u[3 * of.node[k] + axis];
   }
   return sum;
@@ -64,12 +65,12 @@ export function displacementOfRow(of: Compliance, u: Float64Array, row: number, 
 /** [rows, 3, 3]: displacement of every row of the binding, a column per unit force. */
 export function displacementOfRows(of: Compliance, units: readonly Float64Array[]): Float64Array {
   const { node, weight, free } = of;
-  const out = new Float64Array((9 * node.length) / CORNERS);
+  const out = new Float64Array((9 * node.length) / BINDING_CORNERS);
   for (let k = 0; k < node.length; k++) {
     if (node[k] >= free || weight[k] === 0) continue;
     const share = weight[k] / WHOLE_WEIGHT;
     const from = 3 * node[k];
-    const to = 9 * Math.floor(k / CORNERS);
+    const to = 9 * Math.floor(k / BINDING_CORNERS);
     for (let j = 0; j < 3; j++) for (let i = 0; i < 3; i++) out[to + 3 * j + i] += share * units[j][from + i];
   }
   return out;

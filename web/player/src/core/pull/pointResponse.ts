@@ -1,14 +1,12 @@
 /**
- * Static response of a tree to a force at one vertex, in the tree's frame, at scale 1. Same as
- * precompute/galewood/player/pulling.py; the reasons are in docs/design/0018-pulling.md.
+ * Static response of a tree to a force at one vertex, in the tree's frame, at scale 1. The reasons
+ * are in docs/design/0018-pulling.md.
  */
+import { BINDING_CORNERS, PULL_FORCE_SHARE, PULL_MOST_REACH, WHOLE_WEIGHT } from "../constants";
 import { jointRow } from "../table/jointRow";
 import { fittedModes, type Table } from "../table/table";
-import { CORNERS, type Compliance, WHOLE_WEIGHT } from "./compliance";
+import type { Compliance } from "./compliance";
 import { displacementOfRow, displacementOfRows, unitResponses } from "./factor";
-
-/** Largest displacement by pulling, relative to the height. */
-const MOST_REACH = 0.15;
 
 /** d oscillators, r modes; columns are the forces along x, y, z, per N. */
 export interface PointResponse {
@@ -54,7 +52,7 @@ export function pointResponse(table: Table, vertex: number, file: Compliance | n
   const point = jointRow(table, table.vertexJoint[vertex], new Float64Array(3 * r));
   const oscillators = oscillatorsOf(table, point);
   const pose = poseOf(table, oscillators);
-  const own = { node, point, oscillators, pose, reach_m: MOST_REACH * height_m };
+  const own = { node, point, oscillators, pose, reach_m: PULL_MOST_REACH * height_m };
   if (!file || !fits(file, table))
     return { ...own, compliance: symmetric(times(point, pose, r)), limit_N: Infinity, rest: null };
   const units = unitResponses(file, vertex);
@@ -120,20 +118,17 @@ function atRow(file: Compliance, units: readonly Float64Array[], row: number): F
   );
 }
 
-/** Largest pulling force over that which breaks the wood: up to it a linear response is off by about 2 % at most. */
-const PULL_SHARE = 0.4;
-
 /** The permitted share of the mean of the breaking forces of the nodes that carry the vertex. */
 function limitOf(file: Compliance, vertex: number): number {
-  const row = file.vertexRow[vertex] * CORNERS;
+  const row = file.vertexRow[vertex] * BINDING_CORNERS;
   let sum = 0;
   let weights = 0;
-  for (let k = row; k < row + CORNERS; k++) {
+  for (let k = row; k < row + BINDING_CORNERS; k++) {
     if (file.node[k] >= file.free) continue;
     sum += (file.weight[k] / WHOLE_WEIGHT) * file.limit_N[file.node[k]];
     weights += file.weight[k] / WHOLE_WEIGHT;
   }
-  return (PULL_SHARE * sum) / Math.max(weights, 1e-9);
+  return (PULL_FORCE_SHARE * sum) / Math.max(weights, 1e-9);
 }
 
 /** [v, 3, 3]: what the modes do not show, a column per force direction. */

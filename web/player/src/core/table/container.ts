@@ -1,6 +1,5 @@
 /** What tables and records files share: safetensors with one JSON object of metadata, read with full checks. */
-
-const MAX_HEADER_BYTES = 1 << 20;
+import { MAX_TABLE_HEADER_BYTES } from "../constants";
 
 export class TableError extends Error {
   override readonly name = "TableError";
@@ -72,7 +71,7 @@ export function readContainer(file: ArrayBuffer | Uint8Array): Container {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const length = view.getUint32(0, true) + view.getUint32(4, true) * 2 ** 32;
   need(
-    length <= MAX_HEADER_BYTES && 8 + length <= bytes.length,
+    length <= MAX_TABLE_HEADER_BYTES && 8 + length <= bytes.length,
     "truncated table file, or not a table: the header does not fit",
   );
   const { __metadata__, ...header } = object(

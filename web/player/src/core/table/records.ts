@@ -1,16 +1,15 @@
 /**
- * The records of the paper's state search: part of a table, or a file of their own that follows later. Same as
- * precompute/galewood/table/records.py. Everything is validated here, so that they can be searched without bounds
- * checks.
+ * The records of the paper's state search: part of a table, or a separate file that follows later. Everything is
+ * validated here, so that they can be searched without bounds checks.
  */
 
+import { MAX_MODES, RECORD_TENSORS, RECORDS_FORMAT, RECORDS_VERSION } from "../constants";
 import {
   checkFilled,
   checkFinite,
   checkFormat,
   checkShapes,
   type Json,
-  type Layout,
   need,
   number,
   object,
@@ -22,10 +21,6 @@ import {
   valuesOf,
   whole,
 } from "./container";
-
-const RECORDS_FORMAT = "galewood-records";
-const RECORDS_VERSION = 1;
-export const MOST_MODES = 256;
 
 export interface RecordsMetadata {
   readonly records: number;
@@ -61,15 +56,6 @@ export interface RecordsFile {
   readonly modes: number;
 }
 
-export const RECORD_TENSORS: Layout = {
-  "samples.dq": ["I16", 2],
-  "samples.pressure_pa": ["F32", 2],
-  "samples.trajectory": ["U32", 1],
-  "search.offsets": ["U32", 1],
-  "search.record": ["U16", 1],
-  "search.mismatch_steps": ["U16", 1],
-};
-
 /** Decodes a records file. Throws TableError that names the fault. */
 export function decodeRecords(file: ArrayBuffer | Uint8Array): RecordsFile {
   const container = readContainer(file);
@@ -80,7 +66,7 @@ export function decodeRecords(file: ArrayBuffer | Uint8Array): RecordsFile {
   const tensors = readTensors(container, RECORD_TENSORS);
   checkFilled(container);
   checkFinite(tensors);
-  const modes = whole(container.metadata, "modes", MOST_MODES);
+  const modes = whole(container.metadata, "modes", MAX_MODES);
   return { records: readRecords(paper, tensors, modes), tableSha256: table_sha256, modes };
 }
 

@@ -1,8 +1,20 @@
 /**
- * Reader of the table format: one safetensors file per species, with or without records (docs/formats/table.md). Same as
- * precompute/galewood/table/. Everything is validated here, so that a decoded table can be used without bounds checks.
+ * Reader of the table format: one safetensors file per species, with or without records (docs/formats/table.md).
+ * Everything is validated here, so that a decoded table can be used without bounds checks.
  */
 
+import {
+  MAX_DRAG_POINTS,
+  MAX_GUST_OSCILLATORS,
+  MAX_GUST_PLACES,
+  MAX_MODES,
+  MAX_OSCILLATORS,
+  RECORD_TENSORS,
+  TABLE_FORMAT,
+  TABLE_RANGES,
+  TABLE_TENSORS,
+  TABLE_VERSION,
+} from "../constants";
 import type { GustTensors } from "../modal/gustTensors";
 import { contracts, coupledOf, forceTerms, type ModalTensors, poseTerms } from "../modal/modalTensors";
 import {
@@ -12,7 +24,6 @@ import {
   checkFormat,
   checkShapes,
   type Json,
-  type Layout,
   need,
   number,
   object,
@@ -24,16 +35,9 @@ import {
   valuesOf,
   whole,
 } from "./container";
-import { MOST_MODES, RECORD_TENSORS, type Records, readRecords } from "./records";
+import { type Records, readRecords } from "./records";
 
 export { TableError } from "./container";
-
-const FORMAT = "galewood-table";
-const VERSION = 1;
-const MAX_DYNAMIC = 64;
-const MAX_DRAG_POINTS = 32;
-const MAX_GUST_PLACES = 32;
-const MAX_GUST_OSCILLATORS = 64;
 
 /** Whether a tree has its leaves: a bare tree has only the mass and the wind area of its wood. */
 export type Foliage = "leaf" | "bare";
@@ -88,32 +92,6 @@ export interface Table {
   readonly paper: Records | null;
 }
 
-const TENSORS: Layout = {
-  "modes.scale": ["F32", 1],
-  "nodes.basis": ["F32", 3],
-  "nodes.rest_m": ["F32", 2],
-  "nodes.turn": ["F32", 3],
-  "nodes.parent": ["U16", 1],
-  "joints.nodes": ["U16", 2],
-  "joints.share": ["F32", 1],
-  "joints.rest_m": ["F32", 2],
-  "render.vertex_joint": ["U16", 1],
-  "modal.step": ["F32", 2],
-  "modal.load": ["F32", 2],
-  "modal.sway": ["F32", 2],
-  "modal.force": ["F32", 2],
-  "modal.shown": ["F32", 1],
-  "modal.pose": ["F32", 2],
-  "modal.limits": ["F32", 1],
-  "modal.drag_point": ["F32", 2],
-  "modal.drag_shape": ["F32", 3],
-  "modal.drag_rest": ["F32", 1],
-  "gusts.place": ["F32", 2],
-  "gusts.step": ["F32", 2],
-  "gusts.load": ["F32", 2],
-  "gusts.drag": ["F32", 1],
-};
-
 /** Modes of the modal model and of the paper's records; the last modes are those of the gust layer. */
 export const fittedModes = ({ metadata, gusts }: Pick<Table, "metadata" | "gusts">): number =>
   metadata.modes - gusts.drag.length;
@@ -129,12 +107,12 @@ function decode(
   recordsOf: (metadata: unknown, tensors: Tensors, modes: number) => Records | null,
 ): Table {
   const container = readContainer(file);
-  checkFormat(container.metadata, FORMAT, VERSION);
+  checkFormat(container.metadata, TABLE_FORMAT, TABLE_VERSION);
   const { paper = null, ...given } = container.metadata;
   const recorded = Object.keys(container.header).some((name) => Object.hasOwn(RECORD_TENSORS, name));
   need(!recorded || paper !== null, "metadata paper: missing");
   const metadata = checkMetadata(given);
-  const layout = { ...TENSORS, ...(paper === null ? {} : RECORD_TENSORS) };
+  const layout = { ...TABLE_TENSORS, ...(paper === null ? {} : RECORD_TENSORS) };
   const tensors = readTensors(container, layout);
   refuseUnknown(container.header, layout);
   checkFilled(container);
@@ -186,12 +164,8 @@ function assemble(tensors: Tensors, metadata: TableMetadata, paper: Records | nu
 }
 
 function checkMetadata(metadata: Json): TableMetadata {
-  number(metadata, "height_m", 0.01, 1000);
-  number(metadata, "dt_s", 1e-4, 1);
-  number(metadata, "design_speed_m_s", 0, 100);
-  number(metadata, "peak_pressure_pa", 0, 1e9);
-  number(metadata, "reach_m", 0, 1e4);
-  whole(metadata, "modes", MOST_MODES);
+  for (const [name, [low, high]] of Object.entries(TABLE_RANGES)) number(metadata, name, low, high);
+  whole(metadata, "modes", MAX_MODES);
   const { foliage = "leaf" } = metadata;
   need(
     foliage === "leaf" || foliage === "bare",
@@ -230,7 +204,7 @@ function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata
   const j = shapeOf(tensors, "joints.share")[0];
   const vertices = primitives.reduce((sum, primitive) => sum + Math.trunc(primitive.vertices), 0);
   const d = shapeOf(tensors, "modal.step")[0];
-  const most = Math.min(MAX_DYNAMIC, r);
+  const most = Math.min(MAX_OSCILLATORS, r);
   need(d >= 2 && d <= most, `tensor modal.step: expected 2..${most} rows`);
   const c = coupledOf(shapeOf(tensors, "modal.limits")[0] ?? 0);
   need(

@@ -1,38 +1,35 @@
 /**
  * Turbulence within a crown: gusts of a few metres, which the gust models of a forest are too coarse for. A frozen,
- * periodic velocity field carried over the forest by the wind. Specified in docs/formats/wind.md; twin:
+ * periodic velocity field carried over the forest by the wind. Specified in docs/formats/wind.md; sources in
  * precompute/galewood/wind/crown.py.
  */
+import {
+  CROWN_CELL_M,
+  CROWN_CELLS,
+  CROWN_FEWEST_PERIODS,
+  CROWN_INTENSITY,
+  CROWN_LEAN_ACROSS,
+  CROWN_LEAN_ALONG,
+  CROWN_MOST_GUST,
+  CROWN_MOST_PERIODS,
+  CROWN_SLANT,
+  CROWN_WAVES,
+  HASH_TURN_RAD,
+  STREAMLINED_EXPONENT,
+  STREAMLINING_PRESSURE_PA,
+} from "../constants";
 import type { Places } from "./frame";
 import type { Moment } from "./glide";
 import { hash32 } from "./hashing";
-import { STREAMLINED_EXPONENT } from "./pressure";
 
-const CELLS = 64;
-const CELL_M = 0.75;
-const FEWEST_WAVES = 4;
-const MOST_WAVES = 16;
-const WAVES = 48;
-/** Standard deviation of each component over the mean speed, for a gustiness of 1. */
-const INTENSITY = 0.6;
-/** Metres by which the field is shifted per metre of height: gusts reach the top first. */
-const LEAN_ALONG = -0.6;
-const LEAN_ACROSS = 0.8;
-/** Lateral drift, so that the periodic field does not return to the same tree. */
-const SLANT = 0.191;
-/** Limit of the relative speed of a gust. */
-const MOST = 0.9;
-const STRONG_PA = 15;
-const TURN = (2 * Math.PI) / 4294967296;
-
-/** Velocity along and across the wind at the grid points, [CELLS, CELLS, 2], unit variance each. */
+/** Velocity along and across the wind at the grid points, [cells, cells, 2], unit variance each. */
 export function crownField(seed: number): Float64Array<ArrayBuffer> {
-  const field = new Float64Array(CELLS * CELLS * 2);
-  for (let k = 0; k < WAVES; k++) addWave(field, seed, k);
+  const field = new Float64Array(CROWN_CELLS * CROWN_CELLS * 2);
+  for (let k = 0; k < CROWN_WAVES; k++) addWave(field, seed, k);
   for (let side = 0; side < 2; side++) {
     let square = 0;
     for (let i = side; i < field.length; i += 2) square += field[i] * field[i];
-    const size = Math.sqrt(square / (CELLS * CELLS));
+    const size = Math.sqrt(square / (CROWN_CELLS * CROWN_CELLS));
     for (let i = side; i < field.length; i += 2) field[i] /= size;
   }
   return field;
@@ -40,16 +37,17 @@ export function crownField(seed: number): Float64Array<ArrayBuffer> {
 
 /** Adds a plane wave across its own direction, so that the field is free of divergence. */
 function addWave(field: Float64Array, seed: number, k: number): void {
-  const number = FEWEST_WAVES * (MOST_WAVES / FEWEST_WAVES) ** ((k + 0.5) / WAVES);
-  const heading = hash32(seed, 3 * k) * TURN;
+  const number =
+    CROWN_FEWEST_PERIODS * (CROWN_MOST_PERIODS / CROWN_FEWEST_PERIODS) ** ((k + 0.5) / CROWN_WAVES);
+  const heading = hash32(seed, 3 * k) * HASH_TURN_RAD;
   const m = Math.floor(number * Math.cos(heading) + 0.5);
   const n = Math.floor(number * Math.sin(heading) + 0.5);
   const size = Math.hypot(m, n);
-  const start = hash32(seed, 3 * k + 1) * TURN;
+  const start = hash32(seed, 3 * k + 1) * HASH_TURN_RAD;
   const strength = size ** (-1 / 3);
-  const phase = (2 * Math.PI) / CELLS;
-  for (let row = 0, at = 0; row < CELLS; row++) {
-    for (let column = 0; column < CELLS; column++, at += 2) {
+  const phase = (2 * Math.PI) / CROWN_CELLS;
+  for (let row = 0, at = 0; row < CROWN_CELLS; row++) {
+    for (let column = 0; column < CROWN_CELLS; column++, at += 2) {
       const wave = strength * Math.cos(n * (row * phase) + m * (column * phase) + start);
       field[at] += (wave * -n) / size;
       field[at + 1] += (wave * m) / size;
@@ -80,7 +78,7 @@ export class CrownGusts {
     this.cos = Math.cos(heading);
     this.sin = Math.sin(heading);
     this.distance_m = travel * crown.length_scale_m;
-    this.intensity = INTENSITY * wind.gustiness * crown.weight;
+    this.intensity = CROWN_INTENSITY * wind.gustiness * crown.weight;
     if (crown.seed === this.seed) return;
     this.seed = crown.seed;
     this.field = crownField(crown.seed);
@@ -101,7 +99,7 @@ export class CrownGusts {
       out.fill(0);
       return;
     }
-    const growth = pressure_pa > STRONG_PA ? STREAMLINED_EXPONENT : 2;
+    const growth = pressure_pa > STREAMLINING_PRESSURE_PA ? STREAMLINED_EXPONENT : 2;
     const size = trees.size[i];
     const c = trees.turn[2 * i];
     const s = trees.turn[2 * i + 1];
@@ -109,22 +107,25 @@ export class CrownGusts {
       const x = trees.x[i] + size * (c * places[at] + s * places[at + 2]);
       const z = trees.z[i] + size * (c * places[at + 2] - s * places[at]);
       const y = size * places[at + 1];
-      const along = (cos * x + sin * z - this.distance_m + LEAN_ALONG * y) / CELL_M;
-      const across = (cos * z - sin * x + LEAN_ACROSS * y) / CELL_M + SLANT * along;
+      const along = (cos * x + sin * z - this.distance_m + CROWN_LEAN_ALONG * y) / CROWN_CELL_M;
+      const across = (cos * z - sin * x + CROWN_LEAN_ACROSS * y) / CROWN_CELL_M + CROWN_SLANT * along;
       const column = Math.floor(along);
       const row = Math.floor(across);
       const t = along - column;
       const w = across - row;
-      const left = column & (CELLS - 1);
-      const right = (column + 1) & (CELLS - 1);
-      const near = (row & (CELLS - 1)) * CELLS;
-      const far = ((row + 1) & (CELLS - 1)) * CELLS;
+      const left = column & (CROWN_CELLS - 1);
+      const right = (column + 1) & (CROWN_CELLS - 1);
+      const near = (row & (CROWN_CELLS - 1)) * CROWN_CELLS;
+      const far = ((row + 1) & (CROWN_CELLS - 1)) * CROWN_CELLS;
       for (let side = 0; side < 2; side++) {
         const a = field[2 * (near + left) + side];
         const b = field[2 * (far + left) + side];
         const first = a + t * (field[2 * (near + right) + side] - a);
         const last = b + t * (field[2 * (far + right) + side] - b);
-        const gust = Math.min(Math.max(intensity * (first + w * (last - first)), -MOST), MOST);
+        const gust = Math.min(
+          Math.max(intensity * (first + w * (last - first)), -CROWN_MOST_GUST),
+          CROWN_MOST_GUST,
+        );
         out[to + side] = side === 0 ? gust * growth : gust;
       }
     }

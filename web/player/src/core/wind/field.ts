@@ -1,5 +1,6 @@
 /** Wind field of a forest: velocity and pressure at many positions, for every model. */
 
+import { TIMED_MODELS } from "../constants";
 import type { ResolvedWind, WindDocument } from "./document";
 import type { Gusts, Output, Places } from "./frame";
 import { addFronts } from "./fronts";
@@ -11,8 +12,7 @@ import { RecordedGusts } from "./models/recorded";
 import { SpectralGusts } from "./models/spectral";
 import { pressureOfVelocity } from "./pressure";
 
-/** Models that depend on the time rather than on the distance travelled. */
-const TIMED: readonly string[] = ["cosine", "recorded"];
+const TIMED: readonly string[] = TIMED_MODELS;
 /** One set per species of the forest, and some for the instruments. */
 const KEPT_BUFFERS = 12;
 

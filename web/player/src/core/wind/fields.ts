@@ -1,7 +1,8 @@
 /** Fields of a wind document: ranges, errors and reading of single values. */
 
-export const MODELS = ["cosine", "perlin", "spectral", "navier-stokes", "recorded"] as const;
-export type WindModel = (typeof MODELS)[number];
+import type { WIND_MODELS } from "../constants";
+
+export type WindModel = (typeof WIND_MODELS)[number];
 
 /** Error in a wind document, with the path of the field and what is expected there. */
 export class WindError extends Error {
@@ -19,9 +20,10 @@ export class WindError extends Error {
 export interface Field {
   readonly low: number;
   readonly high: number;
-  readonly models: readonly WindModel[];
+  /** If absent, all models have the field. */
+  readonly models?: readonly WindModel[];
   /** If absent, the field is required. */
-  readonly standard?: number;
+  readonly default?: number;
   readonly whole?: boolean;
 }
 
@@ -46,7 +48,7 @@ export function refuseUnknown(
 export function numberAt(
   fields: Record<string, unknown>,
   name: string,
-  { low, high, standard, whole }: Field,
+  { low, high, default: standard, whole }: Field,
   path: string,
 ): number | undefined {
   const expected = `expected ${whole ? "a whole number" : "a number"} in ${low}..${high}`;

@@ -1,8 +1,6 @@
 /** Coordinate frame of the gusts: along and across the wind, in units of the length scale, moving with the air. */
+import { TURBULENCE_PER_GUSTINESS } from "../constants";
 import type { ResolvedWind } from "./document";
-
-/** Turbulence intensity (standard deviation of the speed over its mean) at gustiness 1. */
-export const TURBULENCE_PER_GUSTINESS = 0.308;
 
 /** An indexable array of numbers. */
 export type Places = ArrayLike<number>;

@@ -1,21 +1,22 @@
 /**
  * Gust fronts: single gusts that start at a place and travel with the wind, beside those of a document. Specified in
- * docs/formats/wind.md; same arithmetic as precompute/galewood/wind/fronts.py, which gives units and reasons.
+ * docs/formats/wind.md.
  */
+import {
+  FRONT_DEPTH_M,
+  FRONT_GUST_SHARE,
+  FRONT_LEAST_GUST_M_S,
+  FRONT_LEAST_TRAVEL_M_S,
+  FRONT_LIMITS,
+  FRONT_RANGE_M,
+  FRONT_RISE_S,
+  FRONT_SPREAD,
+  FRONT_TRAVEL_SHARE,
+  FRONT_WIDTH_M,
+  MOST_FRONTS,
+} from "../constants";
 import { WindError } from "./document";
 import type { Output, Places } from "./frame";
-
-export const MOST_FRONTS = 4;
-export const FRONT_LIFE_S = 30;
-const DEPTH_M = 14;
-const WIDTH_M = 16;
-const SPREAD = 0.35;
-const RANGE_M = 180;
-const RISE_S = 0.6;
-const LEAST_GUST_M_S = 6;
-const GUST_SHARE = 0.8;
-const LEAST_TRAVEL_M_S = 9;
-const TRAVEL_SHARE = 1.2;
 
 /** A gust front that started at a time and place, with the mean wind of that moment. */
 export interface Front {
@@ -26,13 +27,7 @@ export interface Front {
   readonly mean_speed_m_s: number;
 }
 
-const LIMITS: Readonly<Record<keyof Front, readonly [number, number]>> = {
-  since_s: [-1e9, 1e9],
-  x_m: [-1e6, 1e6],
-  z_m: [-1e6, 1e6],
-  direction_deg: [-360, 360],
-  mean_speed_m_s: [0, 60],
-};
+const LIMITS: Readonly<Record<keyof Front, readonly [number, number]>> = FRONT_LIMITS;
 
 /** Parses the fronts of a wind's state; throws WindError that names the field. */
 export function parseFronts(value: unknown): Front[] {
@@ -61,14 +56,14 @@ const brief = (value: number) =>
 
 /** Distance that a front has travelled at an age, m; null while it is not there. */
 export function travelled_m({ mean_speed_m_s }: Front, age_s: number): number | null {
-  const path_m = age_s * Math.max(LEAST_TRAVEL_M_S, TRAVEL_SHARE * mean_speed_m_s);
-  return age_s <= 0 || path_m >= RANGE_M ? null : path_m;
+  const path_m = age_s * Math.max(FRONT_LEAST_TRAVEL_M_S, FRONT_TRAVEL_SHARE * mean_speed_m_s);
+  return age_s <= 0 || path_m >= FRONT_RANGE_M ? null : path_m;
 }
 
 /** Half the width of a front that has travelled this far, and what is left of its strength (0..1). */
 export const frontExtent = (path_m: number) => ({
-  width_m: WIDTH_M + SPREAD * path_m,
-  left: 1 - path_m / RANGE_M,
+  width_m: FRONT_WIDTH_M + FRONT_SPREAD * path_m,
+  left: 1 - path_m / FRONT_RANGE_M,
 });
 
 /** Adds the velocity (m/s, world x and z) of the fronts at each position. */
@@ -100,11 +95,14 @@ function addFront(
   const cos = Math.cos(heading);
   const sin = Math.sin(heading);
   const { width_m, left } = frontExtent(path_m);
-  const gust = (LEAST_GUST_M_S + GUST_SHARE * front.mean_speed_m_s) * Math.min(age_s / RISE_S, 1) * left;
+  const gust =
+    (FRONT_LEAST_GUST_M_S + FRONT_GUST_SHARE * front.mean_speed_m_s) *
+    Math.min(age_s / FRONT_RISE_S, 1) *
+    left;
   for (let i = 0; i < outX.length; i++) {
     const dx = x[i] - front.x_m;
     const dz = z[i] - front.z_m;
-    const along = (dx * cos + dz * sin - path_m) / DEPTH_M;
+    const along = (dx * cos + dz * sin - path_m) / FRONT_DEPTH_M;
     const across = (dz * cos - dx * sin) / width_m;
     const speed = gust * bump(along) * bump(across);
     outX[i] += speed * cos;

@@ -1,12 +1,11 @@
 /**
- * State of a forest's wind over time: a change of the document is a smooth transition. Same arithmetic as
- * precompute/galewood/wind/, which gives the reasons.
+ * State of a forest's wind over time: a change of the document is a smooth transition. The reasons are in
+ * precompute/galewood/wind/transition.py.
  */
 
+import { FRONT_LIFE_S, MOST_FRONTS, TRANSITION_S } from "../constants";
 import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument, WindError } from "./document";
-import { FRONT_LIFE_S, type Front, MOST_FRONTS, parseFronts } from "./fronts";
-
-export const GLIDE_S = 0.6;
+import { type Front, parseFronts } from "./fronts";
 
 /** A transition from one wind document to another since a given time; serializable. */
 export interface WindState {
@@ -90,8 +89,8 @@ export function withFront(state: WindState, x_m: number, z_m: number, time_s: nu
 /** Removes the fields that the model does not use, so that the document is valid. */
 function strip(wind: ResolvedWind): WindDocument {
   const { waves, recording, ...rest } = wind;
-  const fields = FIELDS as Record<string, { models: readonly string[] }>;
-  const own = Object.entries(rest).filter(([name]) => fields[name]?.models.includes(wind.model) ?? true);
+  const fields = FIELDS as Record<string, { models?: readonly string[] }>;
+  const own = Object.entries(rest).filter(([name]) => fields[name]?.models?.includes(wind.model) ?? true);
   return {
     ...Object.fromEntries(own),
     ...(wind.model === "cosine" ? { waves } : {}),
@@ -120,14 +119,14 @@ export function windAt(shared: WindState, time_s: number): Moment {
 function inForce(state: WindState, time_s: number): WindState {
   const { before, wind, next, fronts } = state;
   if (!next || progress(state, time_s) < 1) return state;
-  const since_s = state.since_s + GLIDE_S;
+  const since_s = state.since_s + TRANSITION_S;
   const travel = travelAt(resolveWind(before), resolveWind(wind), state, since_s);
   return { before: wind, wind: next, since_s, travel, ...(fronts && { fronts }) };
 }
 
 /** How much of the transition has passed, 0 … 1. */
 const progress = (state: WindState, time_s: number): number =>
-  Math.min(Math.max((time_s - state.since_s) / GLIDE_S, 0), 1);
+  Math.min(Math.max((time_s - state.since_s) / TRANSITION_S, 0), 1);
 
 /** Distance travelled at a time, in length scales. */
 function travelAt(from: ResolvedWind, to: ResolvedWind, state: WindState, time_s: number): number {
@@ -136,7 +135,7 @@ function travelAt(from: ResolvedWind, to: ResolvedWind, state: WindState, time_s
   const oldRate = from.convection_speed_m_s / from.length_scale_m;
   const newRate = to.convection_speed_m_s / to.length_scale_m;
   // integral of the smoothstep: t³ − t⁴/2, and ½ at the end
-  const glided_s = GLIDE_S * t * t * t * (1 - 0.5 * t) + Math.max(0, since - GLIDE_S);
+  const glided_s = TRANSITION_S * t * t * t * (1 - 0.5 * t) + Math.max(0, since - TRANSITION_S);
   return state.travel + oldRate * since + (newRate - oldRate) * glided_s;
 }
 

@@ -1,9 +1,10 @@
-/** Seeded hashes, identical to precompute/galewood/wind/. */
+/** Seeded hashes, identical in every language. */
+import { HASH_FACTOR, HASH_GOLDEN, HASH_TURN_RAD } from "../constants";
 
 /** Mueller's integer finaliser of (seed, k), 0 … 2³²−1. */
 export function hash32(seed: number, k: number): number {
-  let h = (seed + Math.imul(0x9e3779b9, k + 1)) >>> 0;
-  for (let round = 0; round < 2; round++) h = Math.imul(h ^ (h >>> 16), 0x45d9f3b) >>> 0;
+  let h = (seed + Math.imul(HASH_GOLDEN, k + 1)) >>> 0;
+  for (let round = 0; round < 2; round++) h = Math.imul(h ^ (h >>> 16), HASH_FACTOR) >>> 0;
   return (h ^ (h >>> 16)) >>> 0;
 }
 
@@ -14,4 +15,4 @@ export const signedUniform = (seed: number, k: number): number => hash32(seed, k
 export const phaseTurns = (seed: number, k: number): number => hash32(seed, k) / 4294967296;
 
 /** A phase in [0, 2π). */
-export const phaseRad = (seed: number, k: number): number => hash32(seed, k) * ((2 * Math.PI) / 4294967296);
+export const phaseRad = (seed: number, k: number): number => hash32(seed, k) * HASH_TURN_RAD;

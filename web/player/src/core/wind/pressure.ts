@@ -1,28 +1,29 @@
 /** Wind pressure on a tree, computed from the wind speed, and its relation to the sampled range of a table. */
+import {
+  HALF_AIR_DENSITY_KG_M3,
+  PRESSURE_COMPRESSION,
+  STREAMLINED_EXPONENT,
+  STREAMLINING_PRESSURE_PA,
+  STREAMLINING_SPEED_M_S,
+} from "../constants";
 import type { Output, Places } from "./frame";
-
-export const AIR_DENSITY_KG_M3 = 1.2;
-export const STREAMLINING_SPEED_M_S = 5;
-export const STREAMLINED_EXPONENT = 1.3;
 
 /** Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, growing as U^1.3 beyond (streamlining). */
 export function dynamicPressure(speedMS: number): number {
-  if (speedMS <= STREAMLINING_SPEED_M_S) return 0.5 * AIR_DENSITY_KG_M3 * speedMS * speedMS;
-  const start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S * STREAMLINING_SPEED_M_S;
-  return start * (speedMS / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT;
+  if (speedMS <= STREAMLINING_SPEED_M_S) return HALF_AIR_DENSITY_KG_M3 * speedMS * speedMS;
+  return STREAMLINING_PRESSURE_PA * (speedMS / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT;
 }
 
 /** Inverse of `dynamicPressure`: the speed (m/s) of a dynamic pressure (Pa). */
 export function speedOfPressure_m_s(pressure_pa: number): number {
-  const start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S * STREAMLINING_SPEED_M_S;
-  if (pressure_pa <= start) return Math.sqrt(pressure_pa / (0.5 * AIR_DENSITY_KG_M3));
-  return STREAMLINING_SPEED_M_S * (pressure_pa / start) ** (1 / STREAMLINED_EXPONENT);
+  if (pressure_pa <= STREAMLINING_PRESSURE_PA) return Math.sqrt(pressure_pa / HALF_AIR_DENSITY_KG_M3);
+  return STREAMLINING_SPEED_M_S * (pressure_pa / STREAMLINING_PRESSURE_PA) ** (1 / STREAMLINED_EXPONENT);
 }
 
 /** Pressure (Pa) over speed (m/s). */
 export function pressurePerSpeed(speedMS: number): number {
-  if (speedMS <= STREAMLINING_SPEED_M_S) return 0.5 * AIR_DENSITY_KG_M3 * speedMS;
-  const start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S;
+  if (speedMS <= STREAMLINING_SPEED_M_S) return HALF_AIR_DENSITY_KG_M3 * speedMS;
+  const start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S;
   return start * (speedMS / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1);
 }
 
@@ -49,12 +50,9 @@ export function heightFactor(height_m: number, exponent: number, referenceHeight
   return (height_m / referenceHeight_m) ** exponent;
 }
 
-/** Pressures beyond the sampled range are compressed: 2 times the range to 1.40, 5 times to 1.71. */
-const COMPRESSION = 0.25;
-
 /** Pressure over the strongest sampled one, compressed where it is above 1: it grows with the logarithm. */
 export const compressed = (ratio: number): number =>
-  ratio <= 1 ? ratio : 1 + COMPRESSION * Math.log(1 + (ratio - 1) / COMPRESSION);
+  ratio <= 1 ? ratio : 1 + PRESSURE_COMPRESSION * Math.log(1 + (ratio - 1) / PRESSURE_COMPRESSION);
 
 /**
  * Factor that compresses a pressure to the range of a table, `ratio` times its strongest sampled one, in a wind whose

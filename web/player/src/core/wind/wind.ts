@@ -1,14 +1,14 @@
-/** The wind. Same arithmetic as precompute/galewood/wind/; specified in docs/formats/wind.md. */
+/** The wind, specified in docs/formats/wind.md. */
 import type { WindDocument } from "./document";
 import { WindField } from "./field";
 import type { Output, Places } from "./frame";
 import { steady } from "./glide";
 
+export { WIND_MODELS as MODELS } from "../constants";
 export type { Wave, WindDocument, WindModel, WindNumber } from "./document";
 export {
   FIELDS,
   hasField,
-  MODELS,
   parseWind,
   parseWindText,
   resolveWind,

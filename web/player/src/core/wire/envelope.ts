@@ -1,13 +1,11 @@
 /**
- * The envelope of every wire message: prefix, msgpack map, padding, payload. Specified in docs/formats/wire.md; same
- * as server/galewood_server/stream/wire.py. The readers below validate the fields of a header.
+ * The envelope of every wire message: prefix, msgpack map, padding, payload. Specified in docs/formats/wire.md.
+ * The readers below validate the fields of a header.
  */
 import { decode, encode } from "@msgpack/msgpack";
+import { WIRE_MAGIC, WIRE_MAX_HEADER_BYTES, WIRE_PREFIX_BYTES, WIRE_VERSION } from "../constants";
 
-export const VERSION = 1;
-const MAGIC = [0x47, 0x57]; // "GW"
-const PREFIX_BYTES = 8;
-const MAX_HEADER_BYTES = 128 * 1024;
+const MAGIC = [...WIRE_MAGIC].map((letter) => letter.charCodeAt(0));
 
 export type Header = Record<string, unknown>;
 
@@ -31,11 +29,11 @@ export function encodeMessage(
   payload = new Uint8Array(0),
 ): Uint8Array<ArrayBuffer> {
   const packed = encode(header);
-  const start = PREFIX_BYTES + packed.length + padding(packed.length);
+  const start = WIRE_PREFIX_BYTES + packed.length + padding(packed.length);
   const message = new Uint8Array(start + payload.length);
-  message.set([...MAGIC, VERSION, kind]);
+  message.set([...MAGIC, WIRE_VERSION, kind]);
   new DataView(message.buffer).setUint32(4, packed.length, true);
-  message.set(packed, PREFIX_BYTES);
+  message.set(packed, WIRE_PREFIX_BYTES);
   message.set(payload, start);
   return message;
 }
@@ -50,22 +48,22 @@ export interface Message {
 /** Splits a message into kind, header and payload. Throws WireError. */
 export function decodeMessage(data: ArrayBuffer): Message {
   const bytes = new Uint8Array(data);
-  if (bytes.length < PREFIX_BYTES || bytes[0] !== MAGIC[0] || bytes[1] !== MAGIC[1]) {
+  if (bytes.length < WIRE_PREFIX_BYTES || bytes[0] !== MAGIC[0] || bytes[1] !== MAGIC[1]) {
     throw new WireError("not a Galewood message: it must begin with the bytes 'GW'");
   }
-  if (bytes[2] !== VERSION) {
-    const words = `wire version ${bytes[2]}; this reader knows version ${VERSION}`;
+  if (bytes[2] !== WIRE_VERSION) {
+    const words = `wire version ${bytes[2]}; this reader knows version ${WIRE_VERSION}`;
     throw new WireError(words, "unknown-version");
   }
   const length = new DataView(data).getUint32(4, true);
-  const start = PREFIX_BYTES + length + padding(length);
-  if (length > MAX_HEADER_BYTES || start > bytes.length) {
+  const start = WIRE_PREFIX_BYTES + length + padding(length);
+  if (length > WIRE_MAX_HEADER_BYTES || start > bytes.length) {
     throw new WireError("the header is longer than the message or the limit");
   }
-  if (bytes.subarray(PREFIX_BYTES + length, start).some((byte) => byte !== 0)) {
+  if (bytes.subarray(WIRE_PREFIX_BYTES + length, start).some((byte) => byte !== 0)) {
     throw new WireError("the padding after the header is not zero");
   }
-  const header = unpack(bytes.subarray(PREFIX_BYTES, PREFIX_BYTES + length));
+  const header = unpack(bytes.subarray(WIRE_PREFIX_BYTES, WIRE_PREFIX_BYTES + length));
   return { kind: bytes[3], header, payload: bytes.subarray(start) };
 }
 

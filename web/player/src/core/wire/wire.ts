@@ -1,10 +1,27 @@
 /**
- * The wire format of /ws/forest, version 1: specified in docs/formats/wire.md, same as
- * server/galewood_server/stream/wire.py.
+ * The wire format of /ws/forest, version 1: specified in docs/formats/wire.md.
  *
  * Requests go from client to server, replies from server to client. envelope.ts holds their common part, wireForest.ts
  * and wireFrame.ts the messages with numeric payloads. Decoders validate everything they return.
  */
+import {
+  WIRE_CLOCK,
+  WIRE_ERROR,
+  WIRE_FOREST,
+  WIRE_FRAME,
+  WIRE_HELLO,
+  WIRE_PAUSE,
+  WIRE_PING,
+  WIRE_PONG,
+  WIRE_PRESENCE,
+  WIRE_PULLS,
+  WIRE_RESYNC,
+  WIRE_SHARED,
+  WIRE_TABLE,
+  WIRE_WELCOME,
+  WIRE_WIND,
+  WIRE_WIND_STATE,
+} from "../constants";
 import {
   decodeMessage,
   encodeMessage,
@@ -22,41 +39,25 @@ import {
   decodeShared,
   encodeForest,
   encodeShared,
-  FOREST,
   type Forest,
-  SHARED,
   type Shared,
 } from "./wireForest";
-import { decodeFrame, encodeFrame, FRAME, type Frame } from "./wireFrame";
+import { decodeFrame, encodeFrame, type Frame } from "./wireFrame";
 import {
   decodeOfHand,
   decodePulls,
   encodeOfHand,
   encodePulls,
   type Gust,
-  PULLS,
   type Pull,
   type Pulls,
   type Release,
 } from "./wirePull";
 
-export { VERSION, WireError } from "./envelope";
+export { WireError } from "./envelope";
 export type { About, Forest, Group, Shared } from "./wireForest";
 export type { Frame, Rows } from "./wireFrame";
 export type { Gust, Pull, Pulling, Pulls, Release } from "./wirePull";
-
-const HELLO = 1;
-const WIND = 3;
-const PING = 4;
-const PAUSE = 5;
-const RESYNC = 6;
-const WELCOME = 65;
-const TABLE = 66;
-const ERROR = 68;
-const PONG = 69;
-const WIND_STATE = 70;
-const CLOCK = 71;
-const PRESENCE = 74;
 
 // ---- client to server ----------------------------------------------------------------------------
 
@@ -95,15 +96,15 @@ export type Request = Hello | Forest | WindChange | Ping | Pause | Resync | Pull
 export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
   switch (request.type) {
     case "hello":
-      return encodeMessage(HELLO, { client: request.client });
+      return encodeMessage(WIRE_HELLO, { client: request.client });
     case "wind":
-      return encodeMessage(WIND, { wind: request.wind });
+      return encodeMessage(WIRE_WIND, { wind: request.wind });
     case "ping":
-      return encodeMessage(PING, { t: request.t });
+      return encodeMessage(WIRE_PING, { t: request.t });
     case "pause":
-      return encodeMessage(PAUSE, { paused: request.paused });
+      return encodeMessage(WIRE_PAUSE, { paused: request.paused });
     case "resync":
-      return encodeMessage(RESYNC, {});
+      return encodeMessage(WIRE_RESYNC, {});
     case "forest":
       return encodeForest(request);
     default:
@@ -114,22 +115,22 @@ export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
 /** Decodes a client's message. Throws WireError. */
 export function decodeRequest(data: ArrayBuffer): Request {
   const { kind, header, payload } = decodeMessage(data);
-  if (kind === FOREST) return decodeForest(header, payload);
+  if (kind === WIRE_FOREST) return decodeForest(header, payload);
   if (payload.length) throw new WireError("only a FOREST message has a payload");
   switch (kind) {
-    case HELLO:
+    case WIRE_HELLO:
       only(header, "client");
       return { type: "hello", client: text(header, "client").slice(0, 200) };
-    case WIND:
+    case WIRE_WIND:
       only(header, "wind");
       return { type: "wind", wind: textMap(header.wind, "wind") };
-    case PING:
+    case WIRE_PING:
       only(header, "t");
       return { type: "ping", t: number(header, "t") };
-    case PAUSE:
+    case WIRE_PAUSE:
       only(header, "paused");
       return { type: "pause", paused: truth(header, "paused") };
-    case RESYNC:
+    case WIRE_RESYNC:
       only(header);
       return { type: "resync" };
   }
@@ -209,26 +210,26 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
   switch (reply.type) {
     case "welcome": {
       const header = { server: reply.server, version: reply.version, tick_hz: reply.tick_hz };
-      return encodeMessage(WELCOME, header);
+      return encodeMessage(WIRE_WELCOME, header);
     }
     case "table": {
       const header = { table: reply.table, offset: reply.offset, total: reply.total };
-      return encodeMessage(TABLE, header, reply.data);
+      return encodeMessage(WIRE_TABLE, header, reply.data);
     }
     case "error":
-      return encodeMessage(ERROR, { code: reply.code, title: reply.title, hint: reply.hint });
+      return encodeMessage(WIRE_ERROR, { code: reply.code, title: reply.title, hint: reply.hint });
     case "pong":
-      return encodeMessage(PONG, { t: reply.t, server_s: reply.server_s });
+      return encodeMessage(WIRE_PONG, { t: reply.t, server_s: reply.server_s });
     case "clock": {
       const header = { time_s: reply.time_s, made_s: reply.made_s, paused: reply.paused };
-      return encodeMessage(CLOCK, header);
+      return encodeMessage(WIRE_CLOCK, header);
     }
     case "presence":
-      return encodeMessage(PRESENCE, { clients: reply.clients });
+      return encodeMessage(WIRE_PRESENCE, { clients: reply.clients });
     case "shared":
       return encodeShared(reply);
     case "windState":
-      return encodeMessage(WIND_STATE, { state: reply.state });
+      return encodeMessage(WIRE_WIND_STATE, { state: reply.state });
     case "frame":
       return encodeFrame(reply);
     case "pulls":
@@ -239,12 +240,12 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
 /** Decodes a server's message. Throws WireError. */
 export function decodeReply(data: ArrayBuffer): Reply {
   const { kind, header, payload } = decodeMessage(data);
-  if (kind === FRAME) return decodeFrame(header, payload);
-  if (kind === SHARED) return decodeShared(header, payload);
-  if (kind === TABLE) return decodeChunk(header, payload);
+  if (kind === WIRE_FRAME) return decodeFrame(header, payload);
+  if (kind === WIRE_SHARED) return decodeShared(header, payload);
+  if (kind === WIRE_TABLE) return decodeChunk(header, payload);
   if (payload.length) throw new WireError("only FRAME, TABLE and SHARED messages have a payload");
   switch (kind) {
-    case WELCOME:
+    case WIRE_WELCOME:
       only(header, "server", "version", "tick_hz");
       return {
         type: "welcome",
@@ -252,7 +253,7 @@ export function decodeReply(data: ArrayBuffer): Reply {
         version: whole(header, "version"),
         tick_hz: number(header, "tick_hz"),
       };
-    case ERROR:
+    case WIRE_ERROR:
       only(header, "code", "title", "hint");
       return {
         type: "error",
@@ -260,10 +261,10 @@ export function decodeReply(data: ArrayBuffer): Reply {
         title: text(header, "title"),
         hint: text(header, "hint"),
       };
-    case PONG:
+    case WIRE_PONG:
       only(header, "t", "server_s");
       return { type: "pong", t: number(header, "t"), server_s: number(header, "server_s") };
-    case CLOCK:
+    case WIRE_CLOCK:
       only(header, "time_s", "made_s", "paused");
       return {
         type: "clock",
@@ -271,13 +272,13 @@ export function decodeReply(data: ArrayBuffer): Reply {
         made_s: number(header, "made_s"),
         paused: truth(header, "paused"),
       };
-    case PRESENCE:
+    case WIRE_PRESENCE:
       only(header, "clients");
       return { type: "presence", clients: whole(header, "clients") };
-    case WIND_STATE:
+    case WIRE_WIND_STATE:
       only(header, "state");
       return { type: "windState", state: textMap(header.state, "state") };
-    case PULLS:
+    case WIRE_PULLS:
       return decodePulls(header);
     default:
       throw new WireError(`kind ${kind} is not a message that servers send`, "unknown-kind");

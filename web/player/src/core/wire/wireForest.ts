@@ -1,5 +1,5 @@
-/** FOREST, the message that requests a forest, and SHARED, which describes one. Same as
- * server/galewood_server/stream/wire.py. */
+/** FOREST, the message that requests a forest, and SHARED, which describes one. */
+import { FOREST_OPTIONS, MOST_ABOUT_ENTRIES, WIRE_FOREST, WIRE_SHARED } from "../constants";
 import { METHODS, type Method, parseMethod } from "../motion/method";
 import {
   encodeMessage,
@@ -13,11 +13,6 @@ import {
   WireError,
   whole,
 } from "./envelope";
-
-export const FOREST = 2;
-export const SHARED = 72;
-const MAX_ABOUT = 32;
-const OPTIONS = ["pose_easing", "method", "share", "replant", "about", "have"];
 
 /** `count` trees that share one table (SHA-256 in hex). */
 export interface Group {
@@ -70,7 +65,7 @@ const filled = (map: object | undefined) => map !== undefined && Object.keys(map
 export function encodeForest(forest: Forest): Uint8Array<ArrayBuffer> {
   const { mode, groups, wind, time_s } = forest;
   const header = { mode, groups: plain(groups), options: options(forest), wind, time_s };
-  return encodeMessage(FOREST, header, bytesOf(forest.trees));
+  return encodeMessage(WIRE_FOREST, header, bytesOf(forest.trees));
 }
 
 /** The options that differ from their defaults. */
@@ -91,7 +86,7 @@ export function decodeForest(header: Header, payload: Uint8Array<ArrayBuffer>): 
   const mode = text(header, "mode");
   if (mode !== "stream" && mode !== "table") throw new WireError("mode must be 'stream' or 'table'");
   const given = textMap(header.options, "options");
-  only(given, ...OPTIONS.filter((name) => name in given));
+  only(given, ...FOREST_OPTIONS.filter((name) => name in given));
   const groups = entries(header, "groups").map(decodeGroup);
   return {
     type: "forest",
@@ -113,7 +108,7 @@ export function decodeForest(header: Header, payload: Uint8Array<ArrayBuffer>): 
 export function encodeShared(shared: Shared): Uint8Array<ArrayBuffer> {
   const { share, groups, pose_easing, method, about } = shared;
   const header = { share, groups: plain(groups), pose_easing, method, about };
-  return encodeMessage(SHARED, header, bytesOf(shared.trees));
+  return encodeMessage(WIRE_SHARED, header, bytesOf(shared.trees));
 }
 
 /** Inverse of encodeShared. Throws WireError. */
@@ -150,7 +145,8 @@ function decodeShare(given: Header): string {
 function decodeAbout(given: Header): About {
   const about = textMap(given.about, "about");
   const names = Object.keys(about);
-  if (names.length > MAX_ABOUT) throw new WireError(`about may have up to ${MAX_ABOUT} entries`);
+  if (names.length > MOST_ABOUT_ENTRIES)
+    throw new WireError(`about may have up to ${MOST_ABOUT_ENTRIES} entries`);
   for (const name of names) {
     const value = about[name];
     if (name.length > 64) throw new WireError("names in about may have up to 64 characters");

@@ -1,13 +1,11 @@
 /**
- * Encoder and decoder of FRAME, the message that carries poses. Same as
- * server/galewood_server/stream/wire.py.
+ * Encoder and decoder of FRAME, the message that carries poses.
  *
  * Poses are quantized in units of `quantum` × the table's modes.scale. A key frame is int32. Any other frame holds the
  * differences to an earlier tick: int16 for the first `wide` modes, which move most, and int8 for the rest.
  */
+import { WIRE_FRAME } from "../constants";
 import { encodeMessage, entries, type Header, number, only, textMap, WireError, whole } from "./envelope";
-
-export const FRAME = 67;
 
 /** Poses of one group, or their differences: `count` rows of `modes` numbers in units of `quantum` × modes.scale. */
 export interface Rows {
@@ -57,7 +55,7 @@ export function encodeFrame(frame: Frame): Uint8Array<ArrayBuffer> {
   const view = new DataView(payload.buffer);
   if (base === null) writeKey(frame.groups, view);
   else writeDifferences(frame.groups, shapes, view);
-  return encodeMessage(FRAME, { tick, base, time_s, made_s, groups: shapes }, payload);
+  return encodeMessage(WIRE_FRAME, { tick, base, time_s, made_s, groups: shapes }, payload);
 }
 
 function writeKey(groups: readonly Rows[], view: DataView): void {

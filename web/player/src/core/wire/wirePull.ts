@@ -1,14 +1,15 @@
-/** The messages PULL, RELEASE and GUST of clients, and PULLS. Same as server/galewood_server/stream/wire_pull.py. */
+/** The messages PULL, RELEASE and GUST of clients, and PULLS. */
+import {
+  MOST_PULLS_OF_FOREST,
+  PULL_FORCE_N,
+  PULL_PLACE_M,
+  PULL_TARGET_M,
+  WIRE_GUST,
+  WIRE_PULL,
+  WIRE_PULLS,
+  WIRE_RELEASE,
+} from "../constants";
 import { encodeMessage, entries, type Header, number, only, textMap, WireError, whole } from "./envelope";
-
-export const PULL = 7;
-export const RELEASE = 8;
-export const GUST = 9;
-export const PULLS = 73;
-const PLACE_M = 1e6;
-const TARGET_M = 1e3;
-const FORCE_N = 1e9;
-const MOST_PULLS = 32;
 
 type Vector = readonly [number, number, number];
 
@@ -24,7 +25,7 @@ export interface Pull extends PullValues {
   readonly type: "pull";
 }
 
-/** A hand lets go. */
+/** Releases the tree of a hand. */
 export interface Release {
   readonly type: "release";
   readonly hand: number;
@@ -58,42 +59,43 @@ const pullHeader = ({ hand, x, z, vertex, target }: PullValues): Header => ({
 });
 
 export function encodeOfHand(request: Pull | Release | Gust): Uint8Array<ArrayBuffer> {
-  if (request.type === "pull") return encodeMessage(PULL, pullHeader(request));
-  if (request.type === "release") return encodeMessage(RELEASE, { hand: request.hand });
-  return encodeMessage(GUST, { x: request.x, z: request.z });
+  if (request.type === "pull") return encodeMessage(WIRE_PULL, pullHeader(request));
+  if (request.type === "release") return encodeMessage(WIRE_RELEASE, { hand: request.hand });
+  return encodeMessage(WIRE_GUST, { x: request.x, z: request.z });
 }
 
 /** Decodes PULL, RELEASE or GUST; null for another kind. Throws WireError. */
 export function decodeOfHand(kind: number, header: Header): Pull | Release | Gust | null {
-  if (kind === PULL) {
+  if (kind === WIRE_PULL) {
     only(header, "hand", "x", "z", "vertex", "target");
     return { type: "pull", ...pullValues(header) };
   }
-  if (kind === RELEASE) {
+  if (kind === WIRE_RELEASE) {
     only(header, "hand");
     return { type: "release", hand: whole(header, "hand") };
   }
-  if (kind !== GUST) return null;
+  if (kind !== WIRE_GUST) return null;
   only(header, "x", "z");
   return { type: "gust", x: place(header, "x"), z: place(header, "z") };
 }
 
 export function encodePulls({ time_s, pulls }: Pulls): Uint8Array<ArrayBuffer> {
   const list = pulls.map((one) => ({ ...pullHeader(one), force: [...one.force] }));
-  return encodeMessage(PULLS, { time_s, pulls: list });
+  return encodeMessage(WIRE_PULLS, { time_s, pulls: list });
 }
 
 export function decodePulls(header: Header): Pulls {
   only(header, "time_s", "pulls");
   const list = entries(header, "pulls");
-  if (list.length > MOST_PULLS) throw new WireError(`pulls must have at most ${MOST_PULLS} entries`);
+  if (list.length > MOST_PULLS_OF_FOREST)
+    throw new WireError(`pulls must have at most ${MOST_PULLS_OF_FOREST} entries`);
   return { type: "pulls", time_s: number(header, "time_s"), pulls: list.map(pulling) };
 }
 
 function pulling(value: unknown): Pulling {
   const entry = textMap(value, "a pull");
   only(entry, "hand", "x", "z", "vertex", "target", "force");
-  return { ...pullValues(entry), force: vector(entry, "force", FORCE_N) };
+  return { ...pullValues(entry), force: vector(entry, "force", PULL_FORCE_N) };
 }
 
 const pullValues = (header: Header): PullValues => ({
@@ -101,10 +103,10 @@ const pullValues = (header: Header): PullValues => ({
   x: place(header, "x"),
   z: place(header, "z"),
   vertex: whole(header, "vertex"),
-  target: vector(header, "target", TARGET_M),
+  target: vector(header, "target", PULL_TARGET_M),
 });
 
-const place = (header: Header, name: string) => number(header, name, -PLACE_M, PLACE_M);
+const place = (header: Header, name: string) => number(header, name, -PULL_PLACE_M, PULL_PLACE_M);
 
 function vector(header: Header, name: string, most: number): Vector {
   const values = entries(header, name);

@@ -2,7 +2,7 @@
  * Shader code of pass 1, which has two steps. The first adds up the displacements of the nodes. The second shortens the links
  * between them that have become too long (core/motion/nodePose.ts), and adds the rotations, without that stretch, and the wind.
  */
-import { LONGEST, MOST_STRETCH } from "../../core/motion/nodePose";
+import { LONGEST_LINK, MOST_LINK_STRETCH } from "../../core/constants";
 
 export const COVER_GLSL = /* glsl */ `
 in vec3 position;
@@ -95,8 +95,8 @@ void main() {
     vec3 now = link.xyz + own - limb;
     float rest = length(link.xyz);
     float stretched = length(now);
-    if (k == 0) curl /= clamp(stretched / max(rest, 1e-9), 1.0, ${MOST_STRETCH.toFixed(1)});
-    excess += now * max(0.0, 1.0 - ${LONGEST} * rest / max(stretched, 1e-9));
+    if (k == 0) curl /= clamp(stretched / max(rest, 1e-9), 1.0, ${MOST_LINK_STRETCH.toFixed(1)});
+    excess += now * max(0.0, 1.0 - ${LONGEST_LINK} * rest / max(stretched, 1e-9));
     own = limb;
     node = before;
   }

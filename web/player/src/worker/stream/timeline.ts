@@ -1,16 +1,17 @@
 /**
- * Plays poses that arrive at 30 Hz over a network at the display's frame rate. Pure.
+ * Plays poses that arrive TICK_HZ times a second over a network at the display's frame rate. Pure.
  *
  * The clock runs slightly behind the newest frame. The delay adapts slowly to the network's jitter, so that the trees
  * neither stop nor jump.
  */
+import { TICK_HZ } from "../../core/constants";
 
 export interface PoseFrame {
   readonly time_s: number;
   readonly poses: Float32Array[];
 }
 
-const TICK_S = 1 / 30;
+const TICK_S = 1 / TICK_HZ;
 const MAX_BEHIND_S = 0.5;
 
 export class PoseTimeline {

@@ -1,4 +1,5 @@
 /** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
+import { TURN_ARM } from "../../core/constants";
 import { fittedModes, type Table } from "../../core/table/table";
 import type { NodeLevel } from "../protocol";
 
@@ -12,9 +13,6 @@ const COARSER_LEVELS = [
   { nodes: 48, quads: 2, gusts: 2 },
   { nodes: 24, quads: 2, gusts: 2 },
 ] as const;
-
-/** Arm at whose end rotation counts as displacement, relative to the height. */
-const TURN_ARM = 0.02;
 
 /** Rows of displacement and rotation, [nodes, 6, modes], in proportion to distances in space. */
 function weighed({ nodeBasis, nodeTurn, modeScale, metadata }: Table): Float32Array {

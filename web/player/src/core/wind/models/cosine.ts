@@ -1,10 +1,8 @@
-/** Gusts as a sum of cosine waves. Same arithmetic as precompute/galewood/wind/. */
+/** Gusts as a sum of cosine waves. */
+import { COSINE_HEADING_HZ, COSINE_HEADING_PHASE } from "../../constants";
 import type { ResolvedWind } from "../document";
 import type { Gusts, Output, Places } from "../frame";
 import { phaseTurns } from "../hashing";
-
-const HEADING_HZ = 0.03;
-const HEADING_PHASE = 6;
 
 /** cos(2π turns) to 1e-15: several times faster than the library function and bit-identical in both languages. */
 export function cosTurns(turns: number): number {
@@ -35,7 +33,7 @@ export class CosineGusts implements Gusts {
     this.share = Float64Array.from(wind.waves, (wave) => wave.share);
     this.across = Float64Array.from(wind.waves, (wave) => wave.across ?? 0);
     this.phase = Float64Array.from(wind.waves, (wave, k) => wave.phase_turns ?? phaseTurns(wind.seed, k));
-    this.headingPhase = phaseTurns(wind.seed, HEADING_PHASE);
+    this.headingPhase = phaseTurns(wind.seed, COSINE_HEADING_PHASE);
   }
 
   velocity(wind: ResolvedWind, time_s: number, x: Places, z: Places, outX: Output, outZ: Output): void {
@@ -50,7 +48,7 @@ export class CosineGusts implements Gusts {
       const age = time_s - (c * x[i] + s * z[i]) / convection;
       const across = (c * z[i] - s * x[i]) / convection;
       const speed = mean * Math.max(0, 1 + gustiness * this.ripple(age, across));
-      const swing = cosTurns(HEADING_HZ * (age + 0.5 * across) + this.headingPhase);
+      const swing = cosTurns(COSINE_HEADING_HZ * (age + 0.5 * across) + this.headingPhase);
       const heading = headingTurns + swingTurns * swing;
       outX[i] = speed * cosTurns(heading);
       outZ[i] = speed * cosTurns(heading - 0.25);

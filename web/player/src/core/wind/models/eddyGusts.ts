@@ -1,18 +1,20 @@
 /**
  * Navier–Stokes eddies at any time. Successive solver runs are cross-faded, so that any time can be reached in at most
- * EPOCH + OVERLAP steps. Same arithmetic as precompute/galewood/wind/.
+ * EPOCH + OVERLAP steps.
  */
+import {
+  EDDY_CELLS_PER_SCALE,
+  EDDY_EPOCH,
+  EDDY_GRID,
+  EDDY_LATERAL_SHARE,
+  EDDY_OVERLAP,
+  EDDY_STEPS_PER_SCALE,
+} from "../../constants";
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
 import { hash32 } from "../hashing";
-import { Eddies, GRID, SLICES } from "./navierStokes";
+import { Eddies, SLICES } from "./navierStokes";
 import { type Picture, samplePicture } from "./texture";
-
-const CELLS_PER_SCALE = 5;
-const STEPS_PER_SCALE = 0.5;
-const EPOCH = 128;
-const OVERLAP = 32;
-const LATERAL_SHARE = 1;
 
 /** The solver run of one epoch. */
 class Run {
@@ -44,22 +46,22 @@ class Run {
 
 export class EddyGusts implements Gusts {
   private runs: Run[] = [];
-  private readonly view = new View(LATERAL_SHARE);
+  private readonly view = new View(EDDY_LATERAL_SHARE);
   private shown = Number.NaN;
   private readonly picture: Picture = {
-    along: new Float64Array(GRID * GRID),
-    across: new Float64Array(GRID * GRID),
-    columns: GRID,
-    rows: GRID,
-    cellsAlong: CELLS_PER_SCALE,
-    cellsAcross: CELLS_PER_SCALE,
+    along: new Float64Array(EDDY_GRID * EDDY_GRID),
+    across: new Float64Array(EDDY_GRID * EDDY_GRID),
+    columns: EDDY_GRID,
+    rows: EDDY_GRID,
+    cellsAlong: EDDY_CELLS_PER_SCALE,
+    cellsAcross: EDDY_CELLS_PER_SCALE,
     slant: 0,
   };
 
   constructor(private readonly seed: number) {}
 
   velocity(wind: ResolvedWind, travel: number, x: Places, z: Places, outX: Output, outZ: Output): void {
-    this.show(STEPS_PER_SCALE * travel);
+    this.show(EDDY_STEPS_PER_SCALE * travel);
     this.view.set(wind, travel);
     samplePicture(this.picture, this.view, x, z, outX, outZ);
   }
@@ -69,8 +71,8 @@ export class EddyGusts implements Gusts {
     if (moment === this.shown) return;
     this.shown = moment;
     const step = Math.floor(moment);
-    const epoch = Math.floor(step / EPOCH);
-    const fade = epoch <= 0 ? 1 : Math.min(1, (moment - epoch * EPOCH) / OVERLAP);
+    const epoch = Math.floor(step / EDDY_EPOCH);
+    const fade = epoch <= 0 ? 1 : Math.min(1, (moment - epoch * EDDY_EPOCH) / EDDY_OVERLAP);
     this.picture.along.fill(0);
     this.picture.across.fill(0);
     if (this.runs.some((run) => run.epoch < epoch - 1 || run.epoch > epoch)) {
@@ -81,12 +83,12 @@ export class EddyGusts implements Gusts {
   }
 
   private add(epoch: number, step: number, t: number, weight: number): void {
-    this.run(epoch, step).add(step - epoch * EPOCH, t, weight, this.picture);
+    this.run(epoch, step).add(step - epoch * EDDY_EPOCH, t, weight, this.picture);
   }
 
   private run(epoch: number, step: number): Run {
     const old = this.runs.find((kept) => kept.epoch === epoch);
-    if (old?.canReach(step - epoch * EPOCH)) return old;
+    if (old?.canReach(step - epoch * EDDY_EPOCH)) return old;
     const run = new Run(this.seed, epoch);
     this.runs = [...this.runs.filter((other) => other !== old), run];
     return run;

@@ -1,27 +1,29 @@
 /**
  * Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid, in the frame that moves with the wind.
  *
- * Bit-identical to precompute/galewood/wind/, which explains the method. A step is divided into slices, so that its
- * cost is spread over several frames.
+ * Bit-identical to precompute/galewood/wind/models/navier_stokes.py, which explains the method. A step is divided into
+ * slices, so that its cost is spread over several frames.
  */
 
+import {
+  EDDY_BAND,
+  EDDY_CELLS_PER_STEP,
+  EDDY_FRICTION,
+  EDDY_GRID,
+  EDDY_KICK,
+  EDDY_LARGE_SCALE_FRICTION,
+  EDDY_SLOWEST_START,
+} from "../../constants";
 import { hash32, signedUniform } from "../hashing";
 import { rootsOfUnity, transformColumns, transformRows } from "./fourier";
 
-export const GRID = 128;
 export const SLICES = 6;
-const CELLS = GRID * GRID;
-const MASK = GRID - 1;
-const HALF = GRID / 2;
-const CELLS_PER_STEP = 0.5;
-const BAND = [4, 7];
-const KICK = 0.06;
-const FRICTION = 0.01;
-const LARGE_SCALE_FRICTION = 0.5;
-const SLOWEST_START = 3;
-const ROOTS = rootsOfUnity(GRID);
+const CELLS = EDDY_GRID * EDDY_GRID;
+const MASK = EDDY_GRID - 1;
+const HALF = EDDY_GRID / 2;
+const ROOTS = rootsOfUnity(EDDY_GRID);
 
-const signed = (n: number): number => (n < HALF ? n : n - GRID);
+const signed = (n: number): number => (n < HALF ? n : n - EDDY_GRID);
 
 /** One run of the solver from a seeded start. */
 export class Eddies {
@@ -39,8 +41,8 @@ export class Eddies {
   constructor(private readonly seed: number) {
     start(this.nextU, this.nextV, seed);
     this.correct(0);
-    transformColumns(this.nextU, this.nextV, GRID, GRID, ROOTS, 1);
-    transformRows(this.nextU, this.nextV, GRID, GRID, ROOTS, 1);
+    transformColumns(this.nextU, this.nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
+    transformRows(this.nextU, this.nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
     this.u.set(this.nextU);
     this.v.set(this.nextV);
   }
@@ -67,11 +69,11 @@ export class Eddies {
   private work(slice: number): void {
     const { nextU, nextV } = this;
     if (slice === 0) advect(this.u, this.v, nextU, nextV);
-    else if (slice === 1) transformRows(nextU, nextV, GRID, GRID, ROOTS, -1);
-    else if (slice === 2) transformColumns(nextU, nextV, GRID, GRID, ROOTS, -1);
-    else if (slice === 3) this.correct(KICK);
-    else if (slice === 4) transformColumns(nextU, nextV, GRID, GRID, ROOTS, 1);
-    else transformRows(nextU, nextV, GRID, GRID, ROOTS, 1);
+    else if (slice === 1) transformRows(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, -1);
+    else if (slice === 2) transformColumns(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, -1);
+    else if (slice === 3) this.correct(EDDY_KICK);
+    else if (slice === 4) transformColumns(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
+    else transformRows(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
   }
 
   private correct(kick: number): void {
@@ -82,19 +84,19 @@ export class Eddies {
 
 /** Semi-Lagrangian advection with bilinear interpolation, which never amplifies. */
 function advect(u: Float64Array, v: Float64Array, outU: Float64Array, outV: Float64Array): void {
-  for (let y = 0; y < GRID; y++) {
-    for (let x = 0; x < GRID; x++) {
-      const i = y * GRID + x;
-      const px = x - CELLS_PER_STEP * u[i];
-      const py = y - CELLS_PER_STEP * v[i];
+  for (let y = 0; y < EDDY_GRID; y++) {
+    for (let x = 0; x < EDDY_GRID; x++) {
+      const i = y * EDDY_GRID + x;
+      const px = x - EDDY_CELLS_PER_STEP * u[i];
+      const py = y - EDDY_CELLS_PER_STEP * v[i];
       const fx = Math.floor(px);
       const fy = Math.floor(py);
       const tx = px - fx;
       const ty = py - fy;
       const x0 = fx & MASK;
       const x1 = (fx + 1) & MASK;
-      const y0 = (fy & MASK) * GRID;
-      const y1 = ((fy + 1) & MASK) * GRID;
+      const y0 = (fy & MASK) * EDDY_GRID;
+      const y1 = ((fy + 1) & MASK) * EDDY_GRID;
       const w00 = (1 - tx) * (1 - ty);
       const w10 = tx * (1 - ty);
       const w01 = (1 - tx) * ty;
@@ -107,11 +109,11 @@ function advect(u: Float64Array, v: Float64Array, outU: Float64Array, outV: Floa
 
 /** Random amplitudes that decrease with the wavenumber; `project` turns them into a velocity. */
 function start(re: Float64Array, im: Float64Array, seed: number): void {
-  for (let y = 0; y < GRID; y++) {
-    for (let x = 0; x < GRID; x++) {
+  for (let y = 0; y < EDDY_GRID; y++) {
+    for (let x = 0; x < EDDY_GRID; x++) {
       const k2 = signed(x) * signed(x) + signed(y) * signed(y);
-      if (k2 < SLOWEST_START * SLOWEST_START) continue;
-      const i = y * GRID + x;
+      if (k2 < EDDY_SLOWEST_START * EDDY_SLOWEST_START) continue;
+      const i = y * EDDY_GRID + x;
       const amplitude = 1 / (k2 * Math.sqrt(k2));
       re[i] = amplitude * signedUniform(seed, 2 * i);
       im[i] = amplitude * signedUniform(seed, 2 * i + 1);
@@ -122,11 +124,11 @@ function start(re: Float64Array, im: Float64Array, seed: number): void {
 function clearShortest(re: Float64Array, im: Float64Array): void {
   re[0] = 0;
   im[0] = 0;
-  for (let n = 0; n < GRID; n++) {
-    re[HALF * GRID + n] = 0;
-    im[HALF * GRID + n] = 0;
-    re[n * GRID + HALF] = 0;
-    im[n * GRID + HALF] = 0;
+  for (let n = 0; n < EDDY_GRID; n++) {
+    re[HALF * EDDY_GRID + n] = 0;
+    im[HALF * EDDY_GRID + n] = 0;
+    re[n * EDDY_GRID + HALF] = 0;
+    im[n * EDDY_GRID + HALF] = 0;
   }
 }
 
@@ -137,22 +139,22 @@ function project(re: Float64Array, im: Float64Array, kick: number, seed: number)
   let energy = 0;
   let kicks = 0;
   for (let y = 0; y < HALF; y++) {
-    for (let x = 0; x < GRID; x++) {
+    for (let x = 0; x < EDDY_GRID; x++) {
       const kx = signed(x);
       if (x === HALF || (y === 0 && kx <= 0)) continue;
-      const i = y * GRID + x;
-      const j = ((GRID - y) & MASK) * GRID + ((GRID - x) & MASK);
+      const i = y * EDDY_GRID + x;
+      const j = ((EDDY_GRID - y) & MASK) * EDDY_GRID + ((EDDY_GRID - x) & MASK);
       const sx = sine[x];
       const sy = sine[y];
       const s2 = sx * sx + sy * sy;
       const k2 = kx * kx + y * y;
-      const rub = 1 / (1 + FRICTION + LARGE_SCALE_FRICTION / k2);
+      const rub = 1 / (1 + EDDY_FRICTION + EDDY_LARGE_SCALE_FRICTION / k2);
       // a divergence-free field is the curl of a stream function: (sy, −sx) times one number
       let pr = (sy * (0.5 * (re[i] + re[j])) - sx * (0.5 * (im[i] + im[j]))) / s2;
       let pi = (sy * (0.5 * (im[i] - im[j])) - sx * (0.5 * (re[j] - re[i]))) / s2;
       pr *= rub;
       pi *= rub;
-      if (kick > 0 && k2 >= BAND[0] * BAND[0] && k2 < BAND[1] * BAND[1]) {
+      if (kick > 0 && k2 >= EDDY_BAND[0] * EDDY_BAND[0] && k2 < EDDY_BAND[1] * EDDY_BAND[1]) {
         const push = (kick * CELLS) / (8 * Math.sqrt(s2));
         pr += push * signedUniform(seed, 2 * kicks);
         pi += push * signedUniform(seed, 2 * kicks + 1);

@@ -1,38 +1,19 @@
 /**
  * Gusts from improved Perlin noise (Perlin 2002): three octaves that travel with the wind and change slowly.
- * Same arithmetic as precompute/galewood/wind/.
  */
+import {
+  PERLIN_CELLS_PER_SCALE,
+  PERLIN_CHANGE,
+  PERLIN_EDGES,
+  PERLIN_GAIN,
+  PERLIN_LATERAL_SHARE,
+  PERLIN_NOISE_VARIANCE,
+  PERLIN_OCTAVES,
+  PERLIN_SLANT,
+} from "../../constants";
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
 import { hash32 } from "../hashing";
-
-/** 16 A² B with A = ∫(1−f)² and B = ∫(1−f)² t² over [0, 1], where f is the fade 6t⁵ − 15t⁴ + 10t³. */
-export const NOISE_VARIANCE = 35054270 / 480729249;
-const LATERAL_SHARE = 0.5;
-const CELLS_PER_SCALE = 0.5;
-const GAIN = 0.6;
-const OCTAVES = 3;
-const SLANT = 0.17;
-const CHANGE = 0.1;
-
-const EDGES = [
-  [1, 1, 0],
-  [-1, 1, 0],
-  [1, -1, 0],
-  [-1, -1, 0],
-  [1, 0, 1],
-  [-1, 0, 1],
-  [1, 0, -1],
-  [-1, 0, -1],
-  [0, 1, 1],
-  [0, -1, 1],
-  [0, 1, -1],
-  [0, -1, -1],
-  [1, 1, 0],
-  [0, -1, 1],
-  [-1, 1, 0],
-  [0, -1, -1],
-];
 
 /** Shuffled lattice of one seed: hashes of the first two coordinates, and gradients by the hash of all three. */
 export interface Lattice {
@@ -52,7 +33,7 @@ export function latticeOf(seed: number): Lattice {
     order[j] = kept;
   }
   order.copyWithin(256, 0, 256);
-  const slopes = (axis: number) => Float64Array.from(order, (h) => EDGES[h & 15][axis]);
+  const slopes = (axis: number) => Float64Array.from(order, (h) => PERLIN_EDGES[h & 15][axis]);
   return { order, slopeX: slopes(0), slopeY: slopes(1), slopeZ: slopes(2) };
 }
 
@@ -102,16 +83,16 @@ export function noise(
 
 function octaveTotal(): number {
   let total = 0;
-  for (let octave = 0; octave < OCTAVES; octave++) total += GAIN ** (2 * octave);
+  for (let octave = 0; octave < PERLIN_OCTAVES; octave++) total += PERLIN_GAIN ** (2 * octave);
   return total;
 }
 
-const ALONG_SCALE = 1 / Math.sqrt(NOISE_VARIANCE * octaveTotal());
-const ACROSS_SCALE = 1 / Math.sqrt(NOISE_VARIANCE);
+const ALONG_SCALE = 1 / Math.sqrt(PERLIN_NOISE_VARIANCE * octaveTotal());
+const ACROSS_SCALE = 1 / Math.sqrt(PERLIN_NOISE_VARIANCE);
 
 export class PerlinGusts implements Gusts {
   private readonly lattice: Lattice;
-  private readonly view = new View(LATERAL_SHARE);
+  private readonly view = new View(PERLIN_LATERAL_SHARE);
 
   constructor(seed: number) {
     this.lattice = latticeOf(seed);
@@ -120,18 +101,18 @@ export class PerlinGusts implements Gusts {
   velocity(wind: ResolvedWind, travel: number, x: Places, z: Places, outX: Output, outZ: Output): void {
     const { view, lattice } = this;
     view.set(wind, travel);
-    const change = CHANGE * travel;
+    const change = PERLIN_CHANGE * travel;
     for (let i = 0; i < outX.length; i++) {
       const along = view.cosPerM * x[i] + view.sinPerM * z[i] - travel;
       const across = view.cosPerM * z[i] - view.sinPerM * x[i];
-      const px = along * CELLS_PER_SCALE;
-      const py = (across + SLANT * along) * CELLS_PER_SCALE;
+      const px = along * PERLIN_CELLS_PER_SCALE;
+      const py = (across + PERLIN_SLANT * along) * PERLIN_CELLS_PER_SCALE;
       let a = 0;
       let gain = 1;
       let scale = 1;
-      for (let o = 0; o < OCTAVES; o++) {
+      for (let o = 0; o < PERLIN_OCTAVES; o++) {
         a += gain * noise(lattice, px * scale + 17.31 * o, py * scale + 9.67 * o, change + 31.5 * o);
-        gain *= GAIN;
+        gain *= PERLIN_GAIN;
         scale *= 2;
       }
       const b = noise(lattice, px + 101.4, py + 57.8, change + 0.5);

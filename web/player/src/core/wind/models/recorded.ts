@@ -1,17 +1,15 @@
 /**
- * A measured wind: the fluctuations of a recording, carried downwind unchanged (Taylor 1938). Same arithmetic as
- * precompute/galewood/wind/.
+ * A measured wind: the fluctuations of a recording, carried downwind unchanged (Taylor 1938).
  */
+import { RECORDED_LATERAL_SHARE } from "../../constants";
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
 import { fluctuations, type Recording } from "../recording";
 
-const LATERAL_SHARE = 1;
-
 export class RecordedGusts implements Gusts {
   private readonly samples: Float64Array;
   private readonly interval_s: number;
-  private readonly view = new View(LATERAL_SHARE);
+  private readonly view = new View(RECORDED_LATERAL_SHARE);
 
   constructor(recording: Recording) {
     this.samples = fluctuations(recording);

@@ -1,27 +1,28 @@
 /**
  * 1/f^β gusts: frozen turbulence with a given spectrum, carried over the forest by the mean wind.
- * Same arithmetic as precompute/galewood/wind/, which cites the sources.
+ * precompute/galewood/wind/models/spectral.py cites the sources.
  */
+import {
+  SPECTRAL_COLUMNS as COLUMNS,
+  HASH_TURN_RAD,
+  SPECTRAL_ROWS as ROWS,
+  SPECTRAL_CELLS_ACROSS,
+  SPECTRAL_CELLS_ALONG,
+  SPECTRAL_DECAY,
+  SPECTRAL_LATERAL_SHARE,
+  SPECTRAL_SLANT,
+  SPECTRAL_SLOWEST_COHERENCE,
+  SPECTRAL_VON_KARMAN,
+} from "../../constants";
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
 import { hash32 } from "../hashing";
 import { rootsOfUnity, transformColumns, transformRows } from "./fourier";
 import { type Picture, samplePicture } from "./texture";
 
-const COLUMNS = 1024;
-const ROWS = 128;
-const CELLS_ALONG = 16;
-const CELLS_ACROSS = 4;
-const LATERAL_SHARE = 0.5;
-const SLANT = 0.0955;
-const VON_KARMAN = 70.8;
-const DECAY = 7;
-const SLOWEST_COHERENCE = 0.15;
-const TURN = (2 * Math.PI) / 4294967296;
-
 export class SpectralGusts implements Gusts {
   private readonly picture: Picture;
-  private readonly view = new View(LATERAL_SHARE);
+  private readonly view = new View(SPECTRAL_LATERAL_SHARE);
 
   constructor(seed: number, beta: number) {
     this.picture = spectralPicture(seed, beta);
@@ -44,26 +45,28 @@ export function spectralPicture(seed: number, beta: number): Picture {
     across,
     columns: COLUMNS,
     rows: ROWS,
-    cellsAlong: CELLS_ALONG,
-    cellsAcross: CELLS_ACROSS,
-    slant: SLANT,
+    cellsAlong: SPECTRAL_CELLS_ALONG,
+    cellsAcross: SPECTRAL_CELLS_ACROSS,
+    slant: SPECTRAL_SLANT,
   };
 }
 
-const waveAcross = (y: number): number => (y <= ROWS / 2 ? y : y - ROWS) * (CELLS_ACROSS / ROWS);
+const waveAcross = (y: number): number => (y <= ROWS / 2 ? y : y - ROWS) * (SPECTRAL_CELLS_ACROSS / ROWS);
 
 /** Fixed amplitudes and seeded phases of one wavenumber along the wind; wavenumber 0 is omitted. */
 function writeColumn(re: Float64Array, im: Float64Array, seed: number, beta: number, x: number): void {
-  const n = Math.abs(x <= COLUMNS / 2 ? x : x - COLUMNS) * (CELLS_ALONG / COLUMNS);
+  const n = Math.abs(x <= COLUMNS / 2 ? x : x - COLUMNS) * (SPECTRAL_CELLS_ALONG / COLUMNS);
   if (n === 0) return;
-  const width = (DECAY / (2 * Math.PI)) * Math.sqrt(n * n + SLOWEST_COHERENCE * SLOWEST_COHERENCE);
+  const width =
+    (SPECTRAL_DECAY / (2 * Math.PI)) *
+    Math.sqrt(n * n + SPECTRAL_SLOWEST_COHERENCE * SPECTRAL_SLOWEST_COHERENCE);
   let total = 0;
   for (let y = 0; y < ROWS; y++) total += 1 / (width * width + waveAcross(y) * waveAcross(y));
-  const power = (1 + VON_KARMAN * n * n) ** (-0.5 * beta);
+  const power = (1 + SPECTRAL_VON_KARMAN * n * n) ** (-0.5 * beta);
   for (let y = 0; y < ROWS; y++) {
     const m = waveAcross(y);
     const amplitude = Math.sqrt(power / (total * (width * width + m * m)));
-    const phase = hash32(seed, y * COLUMNS + x) * TURN;
+    const phase = hash32(seed, y * COLUMNS + x) * HASH_TURN_RAD;
     re[y * COLUMNS + x] = amplitude * Math.cos(phase);
     im[y * COLUMNS + x] = amplitude * Math.sin(phase);
   }

@@ -1,4 +1,5 @@
 /** Trees that hands hold, where the poses are computed here. Nothing is computed while no tree is pulled. */
+import { PULL_EASE_S } from "../../../core/constants";
 import { poseStride } from "../../../core/motion/poseStride";
 import { DragConstraint } from "../../../core/pull/dragConstraint";
 import type { PullOrder, TreeAt } from "../../protocol";
@@ -11,9 +12,6 @@ export interface PullableTrees {
   /** Adds to the oscillators of a tree; returns false if it has none, as with the paper's method. */
   displace(at: TreeAt, e: Float64Array, v: Float64Array): boolean;
 }
-
-/** Time in which a tree without oscillators returns after a release. */
-const EASE_S = 0.7;
 
 interface Held {
   order: PullOrder;
@@ -64,7 +62,7 @@ export class HeldTrees {
     if (!held) return;
     this.held.delete(hand);
     const { e, v } = held.constraint.released;
-    if (!this.trees.displace(held.order.at, e, v)) this.easing.push({ ...held, left_s: EASE_S });
+    if (!this.trees.displace(held.order.at, e, v)) this.easing.push({ ...held, left_s: PULL_EASE_S });
   }
 
   /** Lets the forces follow the hands, and adds to the poses of the held trees; `out` as written by the step. */
@@ -86,13 +84,19 @@ export class HeldTrees {
     this.waiting.delete(order.hand);
     if (!of || !response) return;
     const { modes } = of.table.metadata;
-    this.held.set(order.hand, { order, table: of.sha256, modes, constraint: new DragConstraint(response), left_s: 0 });
+    this.held.set(order.hand, {
+      order,
+      table: of.sha256,
+      modes,
+      constraint: new DragConstraint(response),
+      left_s: 0,
+    });
   }
 
   private ease(dt_s: number, out: readonly Float32Array[]): void {
     for (const held of this.easing) {
       held.left_s -= dt_s;
-      const t = Math.max(0, held.left_s) / EASE_S;
+      const t = Math.max(0, held.left_s) / PULL_EASE_S;
       const whole = new Float32Array(held.modes);
       held.constraint.addPose(whole, 0);
       const buffer = out[held.order.at.group];

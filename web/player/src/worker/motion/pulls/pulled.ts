@@ -1,4 +1,5 @@
 /** What sources of poses know of pulled trees. Types, and the place of a tree. */
+import { PULL_SAME_PLACE_M } from "../../../core/constants";
 import type { PointResponse } from "../../../core/pull/pointResponse";
 import type { PullOrder, TreeAt } from "../../protocol";
 
@@ -14,14 +15,12 @@ export interface Pulled {
 export const samePoint = (a: PullOrder, b: PullOrder): boolean =>
   a.vertex === b.vertex && a.at.group === b.at.group && a.at.tree === b.at.tree;
 
-const SAME_PLACE_M = 0.05;
-
 /** The tree at a place; `placements`: x, z, yaw, scale of each tree, by group. */
 export function treeAtPlace(placements: readonly Float32Array[], x: number, z: number): TreeAt | null {
   for (const [group, placement] of placements.entries()) {
     for (let tree = 0; tree < placement.length / 4; tree++) {
       const gap = Math.hypot(placement[4 * tree] - x, placement[4 * tree + 1] - z);
-      if (gap <= SAME_PLACE_M) return { group, tree };
+      if (gap <= PULL_SAME_PLACE_M) return { group, tree };
     }
   }
   return null;
