@@ -8,7 +8,7 @@ import {
   swaysAt,
   swaysInWords,
 } from "../../web/src/page/ownTree/expectedMotion";
-import { chosenStiffness, factsOf, stiffnessInWords } from "../../web/src/page/ui/physics";
+import { chosenStiffness, factsOf, stiffnessInWords } from "../../web/src/page/physics/physics";
 
 const expected = {
   first_frequency_hz: 4,
