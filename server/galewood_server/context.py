@@ -40,7 +40,7 @@ class Service:
     pictures: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("pictures", 128, 32))
     inventories: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("inventories", 128, 32, kept=4))
     # files that anyone may have converted; those that are being received count among the waiting ones
-    conversions: Turns = field(default_factory=lambda: Turns("conversions", 2, 14, most_of_address=4))
+    conversions: Turns = field(default_factory=lambda: Turns("conversions", 2, 6, most_of_address=2))
     # open connections by address
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])
     event_addresses: dict[str, int] = field(default_factory=dict[str, int])

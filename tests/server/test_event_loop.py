@@ -12,7 +12,6 @@ from typing import Any
 
 import httpx
 import pytest
-from galewood_server.api.conversions import LARGEST_BYTES
 from galewood_server.storage import Tree, open_database
 
 from tests.server.conftest import NO_CLUSTER, Server
@@ -152,7 +151,7 @@ def largest_inputs() -> dict[str, Requests]:
         "GET /api/species": plain,
         "POST /api/winds/validate": winds(),
         "POST /api/convert": [
-            {"content": filled(b'"', b"a" * 1000, LARGEST_BYTES)},
+            {"content": filled(b'"', b"a" * 1000)},
             {"content": filled(b"x,y,height\n", b"1,2,9\n", 20_000 * 6)},
             {"content": filled(b"time,speed,direction\n0,3,N\n", b"1,2,W\n", 1 << 20)},
         ],

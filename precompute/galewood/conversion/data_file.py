@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from itertools import islice
-from typing import TYPE_CHECKING
 
 from galewood.inventory import Inventory, is_inventory, read_inventory
 from galewood.util import Row, decoded, rows_of
-
-if TYPE_CHECKING:
-    from galewood.wind import Measurement
+from galewood.wind import Measurement, is_measurement, read_measurement
 
 HEADER_WITHIN = 100
 """Rows among which the names of the columns are looked for."""
@@ -25,8 +22,6 @@ def read_data_file(data: bytes, *, start_s: float = 0.0) -> Inventory | Measurem
     ``start_s``: where the used part of a record begins, from its first sample. Raises UnknownContentError for
     any other file, InventoryError or MeasurementError for one that is faulty.
     """
-    from galewood.wind import is_measurement, read_measurement  # loads numba
-
     text = decoded(data)
     if text.lstrip().startswith("{"):
         return read_inventory(data)

@@ -12,7 +12,7 @@ from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.util import MeshError
 from galewood.wind import MeasurementError
 
-LIMITS = Limits(memory_bytes=3 << 30, cpu_s=60)
+LIMITS = Limits(memory_bytes=3 << 30, cpu_s=120)
 REFUSALS = frozenset(("bad-inventory", "bad-measurement", "unknown-content"))
 """Codes of the errors that the reader itself raises."""
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
+from galewood.conversion import convert_limited
 from galewood.inventory import InventoryReport, Stem
 from galewood.util import write_whole
 from galewood.wind import MeasurementReport
@@ -19,8 +20,6 @@ from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, problems, read_body
 
 router = APIRouter(prefix="/api", tags=["conversions"])
-LARGEST_BYTES = 32 * 1024**2
-"""Of a file that anyone may send; `galewood convert` takes larger ones."""
 LONGEST_RECORD_S = 1e9
 FILE: dict[str, Any] = {
     "requestBody": {
@@ -61,13 +60,13 @@ async def convert(
 ) -> Response:
     """Convert an inventory of stems (CSV, GeoJSON) or the record of an anemometer (CSV). Needs no key, and
     nothing is stored. 415 `unknown-content`: the file is neither; 422 names the line of an error."""
-    title = f"The file is larger than {LARGEST_BYTES // 1024**2} MB."
-    hint = "Split the file, or convert it with `galewood convert`."
-    too_large = ProblemError(413, "file-too-large", title, hint=hint)
+    limit_bytes = service.settings.upload_bytes
+    title = f"The file is larger than {limit_bytes // 1024**2} MB."
+    too_large = ProblemError(413, "file-too-large", title, hint="Split the file.")
     async with service.conversions.admitted(request) as turns:
-        data = await read_body(request, LARGEST_BYTES, too_large)
+        data = await read_body(request, limit_bytes, too_large)
         async with turns:
-            document = await asyncio.to_thread(_convert, data, start_s)
+            document = await asyncio.to_thread(convert_limited, data, start_s)
     return Response(document, media_type="application/json")
 
 
@@ -101,10 +100,4 @@ def _read(service: Service, path: Path) -> tuple[bytes, Path]:
 
 
 def _write_converted(data: bytes, target: Path) -> None:
-    write_whole(target, _convert(data))
-
-
-def _convert(data: bytes, start_s: float = 0.0) -> bytes:
-    from galewood.conversion import convert_limited
-
-    return convert_limited(data, start_s)
+    write_whole(target, convert_limited(data))
