@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from galewood.cli.commands import app
 from galewood.options import BuildRequest
 from galewood.util import MeshError
@@ -47,7 +48,8 @@ def test_a_file_that_is_no_mesh_fails_with_a_sentence(tmp_path: Path) -> None:
 def test_export_of_a_table_without_its_mesh_fails_with_a_sentence(tmp_path: Path) -> None:
     table = tmp_path / "pole.gwt"
     table.write_bytes(GOLDEN.read_bytes())
-    result = CliRunner().invoke(app, ["export", str(table), str(tmp_path / "out.glb"), "--seconds", "1"])
+    command = ["export", str(table), "--out", str(tmp_path / "out.glb"), "--seconds", "1"]
+    result = CliRunner().invoke(app, command)
     assert result.exit_code == 1
     assert not (tmp_path / "out.glb").exists()
 
@@ -87,6 +89,15 @@ def test_a_table_is_played_in_a_measured_wind(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, [*played, str(tmp_path / "mast.wind.json")])
     assert result.exit_code == 0, result.output
     assert CliRunner().invoke(app, [*played, str(log)]).exit_code == 1
+
+
+@pytest.mark.parametrize("method", ["modal", "paper"])
+def test_a_table_is_played_in_a_preset(method: str) -> None:
+    command = ["simulate", str(GOLDEN), "--seconds", "4", "--wind", "breeze", "--method", method]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0, result.output
+    result = CliRunner().invoke(app, ["simulate", str(GOLDEN), "--wind", "hurricane"])
+    assert result.exit_code == 1 and "breeze" in result.output
 
 
 def test_all_trees_of_a_file_are_built_and_a_failure_stops_none(tmp_path: Path, monkeypatch) -> None:

@@ -88,7 +88,7 @@ def test_the_command_writes_an_inventory_document(tmp_path: Path) -> None:
 def test_the_command_writes_a_wind_document(tmp_path: Path) -> None:
     path, out = tmp_path / "mast.csv", tmp_path / "winds" / "mast.json"
     path.write_text(MAST)
-    result = CliRunner().invoke(app, ["convert", str(path), str(out), "--from", "10"])
+    result = CliRunner().invoke(app, ["convert", str(path), "--out", str(out), "--from", "10"])
     assert result.exit_code == 0, result.output
     assert "Mean wind: 7.0 m/s from 270°" in result.output
     assert parse_wind(json.loads(out.read_text())) == read_measurement(path, start_s=10.0).wind

@@ -17,8 +17,8 @@ def field_report(
     folder: str | Path,
     *,
     measurements: str | Path | None = None,
-    output: str | Path | None = None,
-    jobs: int = 1,
+    out: str | Path | None = None,
+    workers: int = 1,
     trees: BuildRequest | None = None,
     damping: bool = True,
     sway: float = 0.03,
@@ -32,8 +32,8 @@ def field_report(
     Args:
         folder: Folder of meshes or scans.
         measurements: CSV table; by default the only one in the folder.
-        output: Folder to write; by default "field-report" in the folder.
-        jobs: Trees to compute at the same time, each in a process.
+        out: Folder to write; by default "field-report" in the folder.
+        workers: Processes, each for one tree at a time.
         trees: Options of every tree, such as ``min_radius_mm``, ``target_tets`` and ``root_stiffness_knm``;
             its ``wood`` is that of the trees for which the table names no species.
         damping: Whether to pull and release every tree to find its damping.
@@ -47,8 +47,8 @@ def field_report(
     """
     options = FieldOptions(
         measurements=Path(measurements) if measurements else None,
-        output=Path(output) if output else None,
-        jobs=jobs,
+        out=Path(out) if out else None,
+        workers=workers,
         trees=trees or BuildRequest(),
         damping=damping,
         sway=sway,

@@ -16,21 +16,21 @@ from galewood.cli.request_options import validated, with_options_of
 from galewood.cli.tools import (
     CacheDir,
     JsonOut,
+    Method,
+    SpeciesDir,
     console,
     progress_bar,
     progress_reporter,
-    read_wind_document,
     without_frames,
     write_figures,
 )
+from galewood.cli.wind_options import WindOptions
 from galewood.options import EvaluationOptions
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood.pipeline import BuiltinMesh
 
-app = typer.Typer(
-    no_args_is_help=True, add_completion=False, help="Simulate, store and play tree motion."
-)
+app = typer.Typer(no_args_is_help=True, add_completion=False, help="Simulate, store and play tree motion.")
 
 
 register_check(app)
@@ -41,31 +41,25 @@ register_convert(app)
 
 
 @app.command()
+@with_options_of(WindOptions)
 def simulate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
-    speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
-    direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
-    gustiness: Annotated[float, typer.Option(help="Gustiness, 0 (steady) to 1.")] = 0.5,
     seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
     trees: Annotated[int, typer.Option(help="Number of trees, 10 m apart.")] = 16,
-    wind_file: Annotated[
-        Path | None,
-        typer.Option(
-            "--wind", exists=True, dir_okay=False, help="Wind document (JSON) instead of these numbers."
-        ),
-    ] = None,
-    paper: Annotated[bool, typer.Option("--paper", help="Use the paper's state search.")] = False,
+    method: Method = "modal",
     json_out: JsonOut = None,
+    **chosen: Any,
 ) -> None:
     """Play a table in a wind and report how far its trees sway."""
     from galewood.player import play
     from galewood.table import decode
-    from galewood.wind import Wind
 
-    wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness)
-    if wind_file is not None:
-        wind = read_wind_document(wind_file)
-    figures = play(decode(table.read_bytes()), wind, seconds, trees, "paper" if paper else "modal")
+    try:
+        wind = validated(WindOptions, chosen).chosen()
+    except (OSError, ValueError) as error:
+        console.print(f"[red]This is not a valid wind.[/red] {error}", highlight=False)
+        raise typer.Exit(1) from None
+    figures = play(decode(table.read_bytes()), wind, seconds, trees, method)
     write_figures(json_out, figures)
     console.print_json(data=figures)
 
@@ -111,10 +105,7 @@ def paper(
     out: Annotated[
         Path, typer.Option(help="Document to write; its pictures go into a folder of the same name.")
     ] = Path("docs/paper.md"),
-    meshes: Annotated[
-        Path,
-        typer.Option(exists=True, file_okay=False, help="Folder with poplar.glb, maple.glb, apricot.glb."),
-    ] = Path("assets/species"),
+    species_dir: SpeciesDir = Path("assets/species"),
     quick: Annotated[bool, typer.Option(help="One small tree and few frames, to try the command.")] = False,
     workers: Annotated[int, typer.Option(help="Processes for the finite-element simulations.")] = 2,
     cache_dir: CacheDir = Path("data/cache"),
@@ -123,9 +114,9 @@ def paper(
     """Repeat every experiment of the paper and write the results next to the paper's own figures."""
     from galewood.paper import full_plan, quick_plan, run_paper
 
-    plan = full_plan(meshes, cache_dir, workers)
+    plan = full_plan(species_dir, cache_dir, workers)
     if quick:
-        plan = quick_plan({path.stem: path for path in sorted(meshes.glob("*.glb"))[:1]}, cache_dir)
+        plan = quick_plan({path.stem: path for path in sorted(species_dir.glob("*.glb"))[:1]}, cache_dir)
     with progress_bar() as bar:
         figures = run_paper(plan, out, progress_reporter(bar))
     write_figures(json_out, figures)
@@ -164,7 +155,7 @@ def bench(
 @app.command()
 def verify(
     quick: Annotated[bool, typer.Option(help="Elements, bars and poles only, no species.")] = False,
-    species_dir: Annotated[Path, typer.Option(help="Folder of the species.")] = Path("assets/species"),
+    species_dir: SpeciesDir = Path("assets/species"),
     shipped: Annotated[
         bool, typer.Option("--shipped", help="Only the shipped tables: build each again and compare.")
     ] = False,
@@ -195,7 +186,7 @@ def ship(
     names: Annotated[
         list[str] | None, typer.Argument(help="Built-in trees; none: those out of date.")
     ] = None,
-    species_dir: Annotated[Path, typer.Option(help="Folder of the built-in trees.")] = Path("assets/species"),
+    species_dir: SpeciesDir = Path("assets/species"),
     cache_dir: CacheDir = Path("data/cache"),
 ) -> None:
     """Build the tables that are distributed with the built-in trees, where they are out of date."""

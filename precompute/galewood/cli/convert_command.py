@@ -20,7 +20,7 @@ def convert(
     ],
     out: Annotated[
         Path | None,
-        typer.Argument(help="File to write; default: FILE with .forest.json or .wind.json."),
+        typer.Option(help="File to write; default: FILE with .forest.json or .wind.json."),
     ] = None,
     start_s: Annotated[
         float,

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from galewood.cli.request_options import validated, with_options_of
 from galewood.cli.tools import JsonOut, console, progress_bar, progress_reporter, write_figures
+from galewood.cli.wind_options import WindOptions
 
 if TYPE_CHECKING:
     from galewood.export import ExportOptions
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     from galewood.wind import Wind
 
 TableFile = Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")]
-Target = Annotated[Path | None, typer.Argument(help="Where to write; the same as --out.")]
 Out = Annotated[Path | None, typer.Option(help="Folder to write (--to glb: file); default: TABLE-KIND.")]
 To = Annotated[
     str,
@@ -29,19 +27,9 @@ MESH_HELP = "Mesh of the table; default: TABLE with .glb."
 Mesh = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help=MESH_HELP)]
 
 
-class Moving(BaseModel):
+class Moving(WindOptions):
     """How the exported tree moves."""
 
-    wind: str | None = Field(
-        default=None,
-        description="Preset (still, breeze, autumn-gusts, storm-front) or file of a wind document.",
-    )
-    speed: float | None = Field(default=None, description="Mean wind speed, m/s (default 8).")
-    direction: float | None = Field(
-        default=None, description="Direction the wind blows towards, degrees (30)."
-    )
-    gustiness: float | None = Field(default=None, description="Gustiness, 0 (steady) to 1 (default 0.5).")
-    seed: int | None = Field(default=None, description="Seed of the gusts (default 1).")
     loop_s: float | None = Field(default=None, description="Length of the loop, s (default 8).")
     fps: float = Field(default=30.0, description="Frames per second.")
     format: str = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
@@ -54,7 +42,6 @@ class Moving(BaseModel):
 @with_options_of(Moving)
 def export(
     table: TableFile,
-    target: Target = None,
     to: To = "glb",
     out: Out = None,
     mesh: Mesh = None,
@@ -66,41 +53,19 @@ def export(
     from galewood.table import TableError, decode
     from galewood.wind import WindError
 
-    where, moving = target or out, validated(Moving, chosen)
+    moving = validated(Moving, chosen)
     try:
-        wind, decoded, glb = _wind_of(moving), decode(table.read_bytes()), _mesh_of(table, mesh)
+        wind, decoded, glb = moving.chosen(), decode(table.read_bytes()), _mesh_of(table, mesh)
         if to == "glb" and moving.loop_s is None:
-            _write_glb(decoded, glb, where or table.with_suffix(".sway.glb"), wind, moving)
+            _write_glb(decoded, glb, out or table.with_suffix(".sway.glb"), wind, moving)
             return
         options = ExportOptions(
             wind, moving.loop_s or 8.0, moving.fps, moving.format, moving.bones,  # type: ignore[arg-type]
         )  # fmt: skip
-        _write(decoded, glb, to, where or table.with_name(f"{table.stem}-{to}"), options, json_out)
+        _write(decoded, glb, to, out or table.with_name(f"{table.stem}-{to}"), options, json_out)
     except (ExportError, TableError, WindError, KeyError, OSError, ValueError) as error:
         console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")
         raise typer.Exit(1) from None
-
-
-def _wind_of(moving: Moving) -> Wind:
-    """The wind of a preset, of a document, or the usual one, with the values that were given."""
-    from galewood.wind import PRESETS, Wind, WindError, parse_wind
-
-    name = moving.wind
-    changes = {
-        "mean_speed_m_s": moving.speed,
-        "direction_deg": moving.direction,
-        "gustiness": moving.gustiness,
-        "seed": moving.seed,
-    }
-    if name is None:
-        wind = Wind()
-    elif name in PRESETS:
-        wind = PRESETS[name]
-    elif Path(name).is_file():
-        wind = parse_wind(json.loads(Path(name).read_text()))
-    else:
-        raise WindError("--wind", f"expected a file or one of {', '.join(PRESETS)}", f", not {name!r}")
-    return replace(wind, **{field: value for field, value in changes.items() if value is not None})
 
 
 def _mesh_of(table: Path, mesh: Path | None) -> bytes:

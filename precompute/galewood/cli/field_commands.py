@@ -24,10 +24,10 @@ def field(
         Path | None,
         typer.Option(exists=True, dir_okay=False, help="CSV table; default: the only one in the folder."),
     ] = None,
-    output: Annotated[
+    out: Annotated[
         Path | None, typer.Option(file_okay=False, help="Folder to write; default: FOLDER/field-report.")
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Trees to compute at the same time.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, help="Processes, each for one tree at a time.")] = 1,
     damping: Annotated[bool, typer.Option(help="Pull and release every tree to find its damping.")] = True,
     sway: Sway = 0.03,
     wood_constants: WoodFile = None,
@@ -39,8 +39,8 @@ def field(
 
     options = FieldOptions(
         measurements=measurements,
-        output=output,
-        jobs=jobs,
+        out=out,
+        workers=workers,
         trees=validated(BuildRequest, {**chosen, "wood": wood_document(wood_constants)}),
         damping=damping,
         sway=sway,
@@ -52,12 +52,12 @@ def field(
     except FieldError as error:
         console.print(f"[red]{error}[/red]")
         raise typer.Exit(1) from None
-    _print_report(report, output or folder / "field-report")
+    _print_report(report, out or folder / "field-report")
     if report["interrupted"]:
         raise typer.Exit(130)
 
 
-def _print_report(report: dict[str, Any], output: Path) -> None:
+def _print_report(report: dict[str, Any], out: Path) -> None:
     for row in report["without_file"]:
         console.print(f"[yellow]{row['tree']} (line {row['line']}): {row['why']}[/yellow]")
     for tree in report["failed"]:
@@ -71,7 +71,7 @@ def _print_report(report: dict[str, Any], output: Path) -> None:
     if report["damping"]["trees"]:
         found = report["damping"]
         console.print(f"damping ratio: {found['trees']} trees, median ratio {found['median_ratio']:.2f}")
-    console.print(f"{output / 'report.html'}: {len(report['trees'])} trees")
+    console.print(f"{out / 'report.html'}: {len(report['trees'])} trees")
 
 
 @with_options_of(BuildRequest, only=OF_RELEASE)

@@ -6,17 +6,21 @@ import json
 from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-if TYPE_CHECKING:  # loaded only by the commands that need it
-    from galewood.wind import Wind
-
 JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
 CacheDir = Annotated[Path, typer.Option(help="Folder for meshes and training runs, reused by later runs.")]
+SpeciesDir = Annotated[
+    Path, typer.Option(exists=True, file_okay=False, help="Folder of the built-in trees: poplar.glb, ...")
+]
+Method = Annotated[
+    Literal["modal", "paper"],
+    typer.Option(help="modal: the default method; paper: the state search of the paper."),
+]
 console = Console(stderr=True)
 
 
@@ -31,17 +35,6 @@ def print_report(figures: Mapping[str, str], notes: Iterable[str]) -> None:
     """Print what was understood of a file."""
     for line in [*(f"{name}: {value}" for name, value in figures.items()), *notes]:
         print(line)
-
-
-def read_wind_document(path: Path) -> Wind:
-    """The wind of a JSON document; prints what is wrong with it and exits."""
-    from galewood.wind import parse_wind
-
-    try:
-        return parse_wind(json.loads(path.read_bytes()))
-    except ValueError as error:  # not JSON, or no wind
-        console.print(f"[red]{path} is not a valid wind document.[/red] {error}", highlight=False)
-        raise typer.Exit(1) from None
 
 
 @contextmanager

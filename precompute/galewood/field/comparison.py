@@ -33,15 +33,15 @@ OnProgress = Callable[[float, str], None]
 class FieldOptions:
     """Options of a comparison.
 
-    ``measurements`` is the table, by default the only table of frequencies in the folder; ``output`` the
+    ``measurements`` is the table, by default the only table of frequencies in the folder; ``out`` the
     folder for the report, by default "field-report" in the folder of the trees. ``trees`` are the options of
     every tree; the table overrides its species, height and foliage. ``sway`` is the share of the height to
     which each tree is pulled.
     """
 
     measurements: Path | None = None
-    output: Path | None = None
-    jobs: int = 1
+    out: Path | None = None
+    workers: int = 1
     trees: BuildRequest = field(default_factory=BuildRequest)
     damping: bool = True
     sway: float = 0.03
@@ -72,12 +72,12 @@ def run_field(
     tasks, missing = matched(folder, rows, table, options)
     if not tasks:
         raise FieldError(f"none of the {len(rows)} trees of {table.name} has a file in {folder}")
-    output = options.output or folder / OUTPUT
+    output = options.out or folder / OUTPUT
     output.mkdir(parents=True, exist_ok=True)
     trees: list[dict[str, Any]] = []
     interrupted = False
     try:
-        for tree in _results(tasks, options.jobs):
+        for tree in _results(tasks, options.workers):
             trees.append(tree)
             name = re.sub(r"[^\w.-]", "_", f"{tree['tree']}-{tree['season']}.json")
             write_atomically(output / "trees" / name, _json(tree))
@@ -184,14 +184,14 @@ def _damping(model: Any, sway: float) -> dict[str, Any]:
     }
 
 
-def _results(tasks: list[Task], jobs: int) -> Iterator[dict[str, Any]]:
+def _results(tasks: list[Task], workers: int) -> Iterator[dict[str, Any]]:
     """Results as they are finished: in this process, or in worker processes."""
-    if jobs <= 1 or len(tasks) == 1:
+    if workers <= 1 or len(tasks) == 1:
         for task in tasks:
             yield computed(task)
         return
     with ExitStack() as stack:
-        pool = stack.enter_context(WorkerPool(min(jobs, len(tasks))))
+        pool = stack.enter_context(WorkerPool(min(workers, len(tasks))))
         for future in as_completed([pool.start(_in_worker, task) for task in tasks]):
             yield future.result()
 

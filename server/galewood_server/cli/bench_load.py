@@ -43,7 +43,7 @@ def run_load(tables: list[Path], load: Load) -> dict[str, Any]:
                 "trees": load.trees,
                 "forests": load.forests,
                 "wind": Wind().document(),
-                "method": "paper" if load.paper else "modal",
+                "method": load.method,
                 "core": None if load.client_core < 0 else load.client_core,
                 "settle_s": SETTLE_S,
             }
