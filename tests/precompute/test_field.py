@@ -177,7 +177,7 @@ def poles(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def report(poles) -> dict[str, Any]:
-    options = FieldOptions(target_tets=5500, damping=False, cache_dir=poles / "cache", output=poles / "out")
+    options = FieldOptions(damping=False, cache_dir=poles / "cache", out=poles / "out")
     return run_field(poles, options)
 
 
@@ -220,7 +220,7 @@ def test_an_interrupted_run_keeps_the_finished_trees(poles, tmp_path, monkeypatc
         if share >= 0.5:
             raise Cancelled
 
-    found = run_field(poles, FieldOptions(output=tmp_path), stop)
+    found = run_field(poles, FieldOptions(out=tmp_path), stop)
     assert found["interrupted"] and len(found["trees"]) == 2 and found["unfinished"] == 2
     assert json.loads((tmp_path / "report.json").read_text())["interrupted"]
 
