@@ -149,7 +149,7 @@ def test_records_ruled_out_by_their_bounds_change_nothing(
 def test_the_gaussian_of_the_envelope_is_far_more_accurate_than_the_margin() -> None:
     for exponent in np.linspace(0.0, 60.0, 5000):
         error = envelope._gaussian(float(exponent)) - math.exp(-exponent)  # pyright: ignore[reportPrivateUsage]
-        assert abs(error) < 0.02 * candidates.MARGIN
+        assert abs(error) < 0.02 * candidates.ROUNDING_MARGIN
 
 
 def test_the_search_can_be_cancelled() -> None:

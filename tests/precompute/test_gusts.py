@@ -12,7 +12,7 @@ from galewood.fem import Drag
 from galewood.modal import advance_gusts
 from galewood.player import WindDrivenTrees, grid_placements
 from galewood.reduction import gust_modes
-from galewood.reduction.gust_layer import OSCILLATORS
+from galewood.reduction.gust_layer import OSCILLATOR_COUNT
 from galewood.table import Table, decode
 from galewood.wind import PRESETS, Wind, WindField, crown_carried, crown_field, write_gusts
 from galewood.wind.pressure import compress_pressure, compressed
@@ -125,7 +125,7 @@ def test_the_layer_follows_the_nonlinear_system_under_the_same_gusts() -> None:
     tensors = (np.ascontiguousarray(t, np.float64) for t in (layer.tensors.step, layer.tensors.load))
     step, load = tensors
     drag = np.ascontiguousarray(layer.tensors.drag, np.float64)
-    assert len(place) == beam.n and len(step) == OSCILLATORS
+    assert len(place) == beam.n and len(step) == OSCILLATOR_COUNT
     order = [int(np.argmin(np.abs(beam.rest_m[:, 1] - y))) for y in place[:, 1]]
     assert sorted(order) == list(range(beam.n))
     frames, mean = 300, np.array([8.0, 0.0])

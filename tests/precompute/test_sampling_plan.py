@@ -9,7 +9,7 @@ from galewood.reduction import TrainingWinds
 from galewood.sampling.plan import Samples, planned, simulate
 from galewood.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner
-from galewood.sampling.training_winds import FURTHER_WINDS, WINDS, training_shapes
+from galewood.sampling.training_winds import FURTHER_WINDS, WIND_COUNT, training_shapes
 from galewood.verify.motion_checks import laden_pole
 
 
@@ -29,9 +29,9 @@ def samples(tmp_path: Path) -> Samples:
 
 def training() -> TrainingWinds:
     """Training winds whose speed is proportional to the sway that they shall cause."""
-    shapes = training_shapes(0.6, 1 / 30, count=WINDS + FURTHER_WINDS)
+    shapes = training_shapes(0.6, 1 / 30, count=WIND_COUNT + FURTHER_WINDS)
     winds = [shape.at(100 * shape.sway_share) for shape in shapes]
-    return TrainingWinds(winds[:WINDS], winds[WINDS:])
+    return TrainingWinds(winds[:WIND_COUNT], winds[WIND_COUNT:])
 
 
 def recording_runner(events: list[str]) -> TrajectoryRunner:

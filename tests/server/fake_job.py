@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress
-from galewood_server.jobs.analysis_files import PLOT, store_result
+from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.job_process import main
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.settings import Settings
@@ -107,7 +107,7 @@ def fake_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores
             file.write(f"{step}\n")
     report = json.dumps({"kind": kind, "job": job_lease.job_id}).encode()
     store_result(
-        job_lease, stores, {"kind": kind}, report, {PLOT: b"\x89PNG of " + job_lease.job_id.encode()}
+        job_lease, stores, {"kind": kind}, report, {PLOT_FILE: b"\x89PNG of " + job_lease.job_id.encode()}
     )
 
 

@@ -12,7 +12,7 @@ import pytest
 from galewood.pipeline.options import BuildOptions, BuildResult
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
-from galewood_server.jobs.analysis_files import PLOT, store_result
+from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
 from galewood_server.jobs.build_job import BuildInputs, publish_result, publish_table
 from galewood_server.jobs.leases import claim
@@ -295,12 +295,12 @@ def test_concurrent_garbage_collection_keeps_analysis_files(
 ) -> None:
     build.next("evaluation")
     collect_after_every_put()
-    store_result(build.job_lease, build.stores, {"largest": 1.0}, b"a report", {PLOT: b"a picture"})
+    store_result(build.job_lease, build.stores, {"largest": 1.0}, b"a report", {PLOT_FILE: b"a picture"})
     analysis = build.tree.jobs[-1]
     assert analysis.state == "done" and analysis.result_sha256
     build.collect_garbage()
     assert build.stores.results.get(analysis.result_sha256) == b"a report"
-    assert build.stores.pictures.get(analysis.pictures[PLOT]) == b"a picture"
+    assert build.stores.pictures.get(analysis.pictures[PLOT_FILE]) == b"a picture"
 
 
 def test_concurrent_garbage_collection_keeps_build_files(

@@ -19,11 +19,11 @@ from galewood.wind import Wind, wind_pressure
 
 OnProgress = Callable[[float, str], None]
 Forest = PaperForest | ModalForest
-COMPLETE = "complete table of the default method"
+COMPLETE_TABLE = "complete table of the default method"
 ELEMENTS = (35, 435)
 COMPARED_FRAMES, QUICK_FRAMES = 60, 30
 SEARCHED_TREES, FOREST_TREES = 1000, 10_000
-STEPS, REPEATS = 60, 3
+STEP_COUNT, REPEAT_COUNT = 60, 3
 
 
 def bench_build(
@@ -44,7 +44,7 @@ def bench_build(
     with PeakMemory() as memory:
         result = build_table(
             mesh.read_bytes(), mesh.name, options, progress=_reporter(on_progress, ""), cache_dir=cache_dir,
-            publish=publish, on_table=lambda default: publish(COMPLETE, default.table),
+            publish=publish, on_table=lambda default: publish(COMPLETE_TABLE, default.table),
         )  # fmt: skip
     data = result.whole_table()
     wall_s, cpu_s = result.report["seconds"], result.report["cpu_seconds"]
@@ -134,12 +134,12 @@ def step_us(forest: Forest, table: Table, trees: int) -> float:
     dt_s = float(table.metadata["dt_s"])
     pressure = np.zeros((2, trees), np.float32)
     best = np.inf
-    for repeat in range(REPEATS + 1):  # the first repeat may compile and starts from rest: not counted
+    for repeat in range(REPEAT_COUNT + 1):  # the first repeat may compile and starts from rest: not counted
         spent = 0.0
-        for step in range(STEPS):
-            wind_pressure(Wind(), x, z, (repeat * STEPS + step) * dt_s, pressure[0], pressure[1])
+        for step in range(STEP_COUNT):
+            wind_pressure(Wind(), x, z, (repeat * STEP_COUNT + step) * dt_s, pressure[0], pressure[1])
             begun = time.process_time()
             forest.advance(dt_s * (1 + 1e-12), pressure[0], pressure[1])
             spent += time.process_time() - begun
-        best = min(best, spent / STEPS / trees) if repeat else np.inf
+        best = min(best, spent / STEP_COUNT / trees) if repeat else np.inf
     return best * 1e6

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from galewood.evaluation.converged import run_converged
-from galewood.evaluation.measures import CHUNK, errors, figures, hausdorff_by_frame, joined
+from galewood.evaluation.measures import CHUNK_FRAMES, errors, figures, hausdorff_by_frame, joined
 from galewood.evaluation.reference_runs import ReferenceRun, ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.source import Source
 from galewood.evaluation.winds import unseen_winds
@@ -153,8 +153,8 @@ def against_converged(
     table, height_m = without_gusts(table), float(table.metadata["height_m"])
     q, _ = played(table, reference.pressure_pa, METHODS["modal"])
     worst = {"elements": 0.0, "table": 0.0, "total": 0.0}
-    for a in range(0, len(q), CHUNK):
-        part = slice(a, a + CHUNK)
+    for a in range(0, len(q), CHUNK_FRAMES):
+        part = slice(a, a + CHUNK_FRAMES)
         shown, own, exact = (
             source.subspace.expand(q[part]),
             reference.displacement_m[part],
@@ -169,8 +169,8 @@ def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: i
     """Error figures of q (T, r) at the wood's vertices, and under ``rendered`` at the render vertices."""
     height_m, q = float(table.metadata["height_m"]), q[:, : source.subspace.modes]
     wood, rendered = [], []
-    for a in range(0, len(q), CHUNK):
-        pose, exact = q[a : a + CHUNK], reference_m[a : a + CHUNK]
+    for a in range(0, len(q), CHUNK_FRAMES):
+        pose, exact = q[a : a + CHUNK_FRAMES], reference_m[a : a + CHUNK_FRAMES]
         wood.append(errors(source.subspace.expand(pose), exact))
         rendered.append(
             errors(
@@ -204,8 +204,8 @@ def rendered_reference(source: Source, reference_m: Array) -> Floats:
 def floor(table: Table, source: Source, reference_m: Array) -> dict[str, float]:
     """Unavoidable errors over the height: truncated modes, and render vertices that share a node."""
     height_m, truncation, nodes = float(table.metadata["height_m"]), [], []
-    for a in range(0, len(reference_m), CHUNK):
-        exact = reference_m[a : a + CHUNK].astype(np.float64)
+    for a in range(0, len(reference_m), CHUNK_FRAMES):
+        exact = reference_m[a : a + CHUNK_FRAMES].astype(np.float64)
         q = source.subspace.project(exact)
         truncation.append(errors(source.subspace.expand(q), exact))
         nodes.append(

@@ -16,7 +16,7 @@ from galewood.util import Array, Floats
 
 FRAMES_SHOWN = (20, 22, 40, 60)
 """Frames of the paper's Fig. 3, counted from 1."""
-CHUNK = 64
+CHUNK_FRAMES = 64
 MIN_SWAY_SHARE = 1e-3
 """Growth relative to the sway is undefined if a half sways by less than this share of the height."""
 

@@ -32,7 +32,7 @@ from galewood.reduction import (
 )
 from galewood.sampling import (
     ALL_COSINES,
-    COSINE,
+    COSINE_PREFIX,
     SampledRun,
     Samples,
     content_hash,
@@ -182,7 +182,7 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
     provenance = table.metadata["provenance"]
     paper = table.paper.metadata if table.paper else provenance
     by_name = zip(paper["winds"], paper["frames"], strict=True)
-    cosines = [int(count) for name, count in by_name if name.startswith(COSINE)]
+    cosines = [int(count) for name, count in by_name if name.startswith(COSINE_PREFIX)]
     elements = sampled_elements(mesh, extract_skeleton(mesh), _sampled_elements(table))
     speed_m_s = float(table.metadata["design_speed_m_s"])
     mass_kg, height_m = model.mass_kg[: model.vertex_count], float(table.metadata["height_m"])

@@ -6,7 +6,7 @@ Options and errors are cheap to import; all other names are loaded when they are
 from typing import TYPE_CHECKING
 
 from galewood.export.errors import ExportError
-from galewood.export.options import KINDS, REVISION, ExportKind, ExportOptions, TextureFormat
+from galewood.export.options import EXPORT_REVISION, KINDS, ExportKind, ExportOptions, TextureFormat
 from galewood.util import lazily
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
+    "EXPORT_REVISION",
     "KINDS",
-    "REVISION",
     "ExportError",
     "ExportKind",
     "ExportOptions",

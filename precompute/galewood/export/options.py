@@ -11,7 +11,7 @@ ExportKind = Literal["vat", "bones", "pivots", "usd", "glb"]
 KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
 TextureFormat = Literal["exr", "png"]
 FORMATS: tuple[TextureFormat, ...] = get_args(TextureFormat)
-REVISION = 1
+EXPORT_REVISION = 1
 """Increased when the files of the same options change: services keep exports by it."""
 MOST_BONES = 256
 """Of one skin: what Unity, Unreal and Godot take without changing their settings."""

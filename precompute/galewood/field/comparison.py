@@ -24,7 +24,7 @@ from galewood.options import BuildRequest
 from galewood.util import Cancelled, MeshError, WorkerPool, write_atomically
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply", ".stl", ".mat", ".csv")
-OUTPUT = "field-report"
+OUTPUT_FOLDER = "field-report"
 SCANS = (".mat", ".csv")
 OnProgress = Callable[[float, str], None]
 
@@ -72,7 +72,7 @@ def run_field(
     tasks, missing = matched(folder, rows, table, options)
     if not tasks:
         raise FieldError(f"none of the {len(rows)} trees of {table.name} has a file in {folder}")
-    output = options.out or folder / OUTPUT
+    output = options.out or folder / OUTPUT_FOLDER
     output.mkdir(parents=True, exist_ok=True)
     trees: list[dict[str, Any]] = []
     interrupted = False

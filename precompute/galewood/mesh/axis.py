@@ -12,7 +12,7 @@ from galewood.mesh.pieces import Pieces
 from galewood.options import Axis, ImportRequest
 from galewood.util import Floats, Ints
 
-SAMPLES = 20_000
+MAX_SAMPLES = 20_000
 STATED_Y = {
     "glb": "glTF is +Y up", "gltf": "glTF is +Y up",
     "fbx": "the file states its up axis", "dae": "the file states its up axis",
@@ -31,9 +31,9 @@ TRUNK_WEIGHT = 2.0
 TAPER_WEIGHT = 2.0  # for wood three times as thick below as above
 GROUND_WEIGHT = 5.0
 ORDER_WEIGHT = 8.0  # per height between the centres of wood and leaves
-SURE, CERTAIN = 0.8, 0.85
+SURE_CONFIDENCE, CERTAIN_CONFIDENCE = 0.8, 0.85
 LEAST_LEAD = 1.0  # of +Y over other axes by shape alone; with less, a format that demands +Y is doubted
-CONVENTION = "the convention of the format"
+CONVENTION_REASON = "the convention of the format"
 
 AXES: tuple[Axis, ...] = ("y", "z", "x", "-y", "-z", "-x")
 ROTATIONS: dict[str, tuple[tuple[float, ...], ...]] = {
@@ -96,17 +96,17 @@ def decided(weights: dict[str, dict[Axis, float]], file_format: str) -> Choice:
     ]
     against = [words for words, w in weights.items() if w[best] < max(w.values()) - 0.5]
     if stated := STATED_Y.get(file_format):
-        if best == "y" or confidence < CERTAIN:
+        if best == "y" or confidence < CERTAIN_CONFIDENCE:
             return _as_stated(stated, weights, totals)
         against = [stated]
     reason = ", ".join(favouring) or "no evidence for another axis"
     reason += f"; but {', '.join(against)} suggest another" if against else ""
-    return Choice(best, reason, assumed=True, unsure=confidence < SURE, confidence=confidence)
+    return Choice(best, reason, assumed=True, unsure=confidence < SURE_CONFIDENCE, confidence=confidence)
 
 
 def _as_stated(stated: str, weights: dict[str, dict[Axis, float]], totals: dict[Axis, float]) -> Choice:
     """+Y, as the format says; unsure if the shape alone speaks for another axis."""
-    shape = {axis: totals[axis] - weights[CONVENTION][axis] for axis in AXES}
+    shape = {axis: totals[axis] - weights[CONVENTION_REASON][axis] for axis in AXES}
     rival = max(AXES[1:], key=lambda axis: shape[axis])
     if shape["y"] >= shape[rival] + LEAST_LEAD:
         return Choice("y", stated, assumed=False)
@@ -127,7 +127,9 @@ def indicators(
     seen: dict[Axis, _Seen] = {axis: _upright(points, corners, pieces, score, to_y_up(axis)) for axis in AXES}
     largest = max(*(one.base for one in seen.values()), 1e-9)
     return {
-        CONVENTION: {axis: given.get(axis, UPSIDE_DOWN if axis.startswith("-") else 0.0) for axis in AXES},
+        CONVENTION_REASON: {
+            axis: given.get(axis, UPSIDE_DOWN if axis.startswith("-") else 0.0) for axis in AXES
+        },
         "a large, compact base": {
             axis: max(BASE_WEIGHT * float(np.log(max(one.base, 1e-9) / largest)), -BASE_MOST)
             for axis, one in seen.items()
@@ -175,8 +177,8 @@ def surface_points(vertices: Floats, faces: Ints) -> Floats:
     if not total > 0:
         return corners.reshape(-1, 3)
     random = np.random.default_rng(0)
-    face = random.choice(len(faces), SAMPLES, p=area / total)
-    uv = random.random((SAMPLES, 2))
+    face = random.choice(len(faces), MAX_SAMPLES, p=area / total)
+    uv = random.random((MAX_SAMPLES, 2))
     uv[uv.sum(axis=1) > 1] = 1 - uv[uv.sum(axis=1) > 1]
     a, b, c = np.moveaxis(corners[face], 1, 0)
     return a + uv[:, :1] * (b - a) + uv[:, 1:] * (c - a)

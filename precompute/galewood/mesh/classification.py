@@ -14,7 +14,15 @@ from scipy.spatial import KDTree
 from galewood.mesh.other_objects import Others, find_around, find_ground, find_named, joined_faces
 from galewood.mesh.painted import painted_kinds, with_painted
 from galewood.mesh.piece_choices import Choices, read_choices
-from galewood.mesh.piece_evidence import PRIOR, SURE, Evidence, Mask, add_position, is_sheet, own_evidence
+from galewood.mesh.piece_evidence import (
+    SURE_SCORE,
+    WOOD_PRIOR_SCORE,
+    Evidence,
+    Mask,
+    add_position,
+    is_sheet,
+    own_evidence,
+)
 from galewood.mesh.piece_groups import Group, GroupKind, group_pieces
 from galewood.mesh.piece_names import named_kind, own_kind
 from galewood.mesh.pieces import Pieces, find_pieces
@@ -24,11 +32,11 @@ from galewood.mesh.types import KINDS, Kind, RawPart
 from galewood.options import ImportRequest
 from galewood.util import Floats, Ints, MeshError
 
-FOLLOWED = 8.0  # weight of a name that the evidence does not contradict
-HINT = 0.75  # weight of a name that it does contradict
-CONTRADICTS = 3.0  # score of a piece that contradicts its name
+CONSISTENT_NAME_WEIGHT = 8.0  # weight of a name that the evidence does not contradict
+CONTRADICTED_NAME_WEIGHT = 0.75  # weight of a name that it does contradict
+CONTRADICTION_SCORE = 3.0  # score of a piece that contradicts its name
 CONTRADICTS_MIXED = 1.4  # the same, if other pieces of that name strongly agree with it
-SHARE = 0.4  # of the area that must contradict a name
+CONTRADICTION_AREA_SHARE = 0.4  # of the area that must contradict a name
 SAME_COLOUR = 0.1
 UNSURE_SHARE = 0.1
 
@@ -122,7 +130,7 @@ def _analysed(pieces: Pieces, parts: list[RawPart]) -> _Found:
     wood = evidence.score > 0
     kind: list[Kind] = ["twigs" if t else "wood" if w else "leaves" for w, t in zip(wood, twigs, strict=True)]
     reason = [evidence.reason(k, bool(wood[k])) for k in range(len(pieces))]
-    found = _Found(pieces, kind, reason, np.abs(evidence.score) >= SURE, others, tree, trees, [])
+    found = _Found(pieces, kind, reason, np.abs(evidence.score) >= SURE_SCORE, others, tree, trees, [])
     return _with_wood(found, evidence)
 
 
@@ -135,8 +143,8 @@ def _name_hints(parts: list[RawPart], pieces: Pieces) -> Floats:
 
 def _follow_colour(evidence: Evidence, pieces: Pieces) -> None:
     """Pieces of little evidence follow the confident ones of the same part and colour."""
-    score = np.clip(evidence.score - PRIOR, -4.0, 4.0)
-    sure = (np.abs(score) >= SURE) & pieces.coloured
+    score = np.clip(evidence.score - WOOD_PRIOR_SCORE, -4.0, 4.0)
+    sure = (np.abs(score) >= SURE_SCORE) & pieces.coloured
     added = np.zeros(len(pieces))
     for part in np.unique(pieces.part[~sure]).tolist():
         known = np.flatnonzero(sure & (pieces.part == part))
@@ -162,9 +170,15 @@ def _follow_names(evidence: Evidence, parts: list[RawPart], pieces: Pieces) -> M
         sign = -1.0 if kind == "leaves" else 1.0
         area, agrees = pieces.shapes.area, sign * score
         mixed = bool((agrees[rows] > 2 * CONTRADICTS_MIXED).any())
-        limit = CONTRADICTS_MIXED if mixed else CONTRADICTS
-        against = float(area[rows & (agrees < -limit)].sum()) > SHARE * float(area[rows].sum())
-        evidence.add(rows, sign * (HINT if against else FOLLOWED), f"its name {label!r}")
+        limit = CONTRADICTS_MIXED if mixed else CONTRADICTION_SCORE
+        against = float(area[rows & (agrees < -limit)].sum()) > CONTRADICTION_AREA_SHARE * float(
+            area[rows].sum()
+        )
+        evidence.add(
+            rows,
+            sign * (CONTRADICTED_NAME_WEIGHT if against else CONSISTENT_NAME_WEIGHT),
+            f"its name {label!r}",
+        )
         if kind == "twigs" and not against:
             twigs |= rows
     return twigs

@@ -6,7 +6,7 @@ import re
 
 from galewood.util import MeshError
 
-ACCEPTED = (
+ACCEPTED_HINT = (
     "Upload a GLB, OBJ, PLY, STL, FBX, DAE or 3DS file, a ZIP archive of a model with its textures, or the "
     "cylinders of a scanned tree (MAT, CSV)."
 )
@@ -54,7 +54,7 @@ def refuse_foreign(data: bytes) -> None:
             raise point_cloud(f"The file is a point cloud ({what}).")
     for magic, what in OTHERS.items():
         if head.startswith(magic):
-            raise _unsupported(f"The file is {what}, not a mesh.", ACCEPTED)
+            raise _unsupported(f"The file is {what}, not a mesh.", ACCEPTED_HINT)
 
 
 def refuse_points(data: bytes) -> None:

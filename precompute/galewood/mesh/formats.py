@@ -16,7 +16,7 @@ from galewood.mesh import qsm
 from galewood.mesh.archive import Archive, ArchiveFolder, model_in
 from galewood.mesh.assimp import reader_of
 from galewood.mesh.companions import Source
-from galewood.mesh.foreign import ACCEPTED, refuse_foreign, refuse_points
+from galewood.mesh.foreign import ACCEPTED_HINT, refuse_foreign, refuse_points
 from galewood.mesh.gltf import read_glb, read_gltf
 from galewood.mesh.limits import MAX_BYTES
 from galewood.mesh.obj import read_obj
@@ -26,9 +26,9 @@ from galewood.mesh.types import RawPart
 from galewood.options import ImportRequest
 from galewood.util import MeshError
 
-ZIP = b"PK\x03\x04"
+ZIP_HEADER = b"PK\x03\x04"
 EMPTY_ZIP = b"PK\x05\x06"
-FBX = (b"Kaydara FBX", b"; FBX")
+FBX_HEADERS = (b"Kaydara FBX", b"; FBX")
 THREE_DS = b"MM"
 NAMES = {"gltf": "glTF", "treeqsm": "a MATLAB file", "csv": "a table of cylinders"}
 
@@ -49,17 +49,20 @@ def read_parts(data: bytes, filename: str, options: ImportRequest) -> FileConten
     Raises MeshError with reason "malformed", "too-large", "unsuitable" or "unsupported".
     """
     if not data.strip():
-        raise MeshError("empty-file", "malformed", "The file is empty.", ACCEPTED)
+        raise MeshError("empty-file", "malformed", "The file is empty.", ACCEPTED_HINT)
     check_size(data)
-    if not data.startswith((ZIP, EMPTY_ZIP)):
+    if not data.startswith((ZIP_HEADER, EMPTY_ZIP)):
         return _read_model(data, filename, options, Source())
     archive = Archive(data)
     name, warnings = model_in(archive)
     source = Source(ArchiveFolder(archive, posixpath.dirname(name)), warnings)
     content = archive.read(name)
-    if content.startswith(ZIP) or not content.strip():
+    if content.startswith(ZIP_HEADER) or not content.strip():
         raise MeshError(
-            "nested-archive", "unsupported", f"{name[:80]!r} in the ZIP archive is not a model.", ACCEPTED
+            "nested-archive",
+            "unsupported",
+            f"{name[:80]!r} in the ZIP archive is not a model.",
+            ACCEPTED_HINT,
         )
     return _read_model(content, name, options, source)
 
@@ -113,7 +116,7 @@ def detect_format(data: bytes, filename: str) -> str:
         return "ply"
     if data.startswith((b"MATLAB ", qsm.HDF5)):
         return "treeqsm"
-    if head.startswith(FBX):
+    if head.startswith(FBX_HEADERS):
         return "fbx"
     if head.startswith(b"<") and b"<COLLADA" in data[:2048]:
         return "dae"
@@ -136,11 +139,14 @@ def _by_content_without_magic(data: bytes, suffix: str) -> str:
         return "obj"
     if suffix == ".glb":
         raise MeshError(
-            "not-a-glb", "malformed", "The file is named .glb but does not begin with a GLB header.", ACCEPTED
+            "not-a-glb",
+            "malformed",
+            "The file is named .glb but does not begin with a GLB header.",
+            ACCEPTED_HINT,
         )
     refuse_points(data)
     raise MeshError(
-        "unsupported-type", "unsupported", "The file is not in a supported mesh format.", ACCEPTED
+        "unsupported-type", "unsupported", "The file is not in a supported mesh format.", ACCEPTED_HINT
     )
 
 

@@ -15,7 +15,7 @@ from galewood.mesh.pieces import Pieces
 from galewood.options import ImportRequest
 from galewood.util import Ints
 
-RANGE = re.compile(r"(\d{1,9})\.(\d{1,9})-(\d{1,9})")
+RANGE_PATTERN = re.compile(r"(\d{1,9})\.(\d{1,9})-(\d{1,9})")
 KINDS: tuple[GroupKind, ...] = ("wood", "leaves", "other")
 
 
@@ -36,7 +36,7 @@ def painted_kinds(options: ImportRequest, pieces: Pieces, labels: set[str]) -> t
     empty: list[str] = []
     for kind, names in enumerate((options.wood_materials, options.leaves, options.drop)):
         for name in names or ():
-            found = RANGE.fullmatch(name)
+            found = RANGE_PATTERN.fullmatch(name)
             if found is None or name in labels:
                 continue
             part, first, last = (int(number) for number in found.groups())

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from galewood.mesh.painted import RANGE
+from galewood.mesh.painted import RANGE_PATTERN
 from galewood.mesh.piece_groups import Group, GroupKind
 from galewood.mesh.piece_names import named_kind
 from galewood.mesh.types import RawPart
 from galewood.options import ImportRequest
 from galewood.util import MeshError
 
-ID = re.compile(r"\d+\.\d+")
+ID_PATTERN = re.compile(r"\d+\.\d+")
 
 
 @dataclass(frozen=True)
@@ -62,9 +62,9 @@ def read_choices(
         for name in names:
             if name in labels:
                 by_name[name] = kind
-            elif RANGE.fullmatch(name):
+            elif RANGE_PATTERN.fullmatch(name):
                 continue
-            elif ID.fullmatch(name):
+            elif ID_PATTERN.fullmatch(name):
                 by_id[name] = kind
                 unknown += [] if name in ids else [name]
             elif kind != "wood":
@@ -78,7 +78,7 @@ def read_choices(
             f"It has: {', '.join(known)}.",
         )
     named = bool(options.wood_materials) and any(
-        not (ID.fullmatch(name) or RANGE.fullmatch(name)) or name in labels
+        not (ID_PATTERN.fullmatch(name) or RANGE_PATTERN.fullmatch(name)) or name in labels
         for name in options.wood_materials or ()
     )
     return Choices(by_id, by_name, named)

@@ -15,9 +15,9 @@ from galewood.mesh.piece_shape import Shapes
 from galewood.mesh.pieces import Pieces
 from galewood.util import Floats
 
-SURE = 1.0
+SURE_SCORE = 1.0
 """Score above which a piece is classified with confidence."""
-PRIOR = 0.25  # an unknown solid is more often wood
+WOOD_PRIOR_SCORE = 0.25  # an unknown solid is more often wood
 GROUNDED_HEIGHT_SHARE = 0.03  # of the tree's height
 TALL_HEIGHT_SHARE = 0.25  # of the tree's height
 MAX_TRUNK_THICKNESS_SHARE = 0.2  # thickness, of the tree's height, above which nothing is a trunk
@@ -93,7 +93,7 @@ def is_round(s: Shapes) -> Mask:
 
 def own_evidence(pieces: Pieces) -> Evidence:
     """Evidence that does not depend on other pieces: shape, alpha and colour."""
-    found = Evidence(np.full(len(pieces), PRIOR))
+    found = Evidence(np.full(len(pieces), WOOD_PRIOR_SCORE))
     s = pieces.shapes
     sheet, tube, rounded = is_sheet(s), is_tube(s), is_round(s)
     found.add(sheet & (s.faces <= 8), -2.5, "flat cards")
@@ -157,7 +157,7 @@ def add_position(found: Evidence, pieces: Pieces, members: Mask) -> None:
 
 def _compare_with_trunk(found: Evidence, pieces: Pieces, members: Mask, trunk: Mask) -> None:
     """Other pieces that have the colour of the trunk are more likely wood, all others less."""
-    sure = trunk & pieces.coloured & (found.score > SURE)
+    sure = trunk & pieces.coloured & (found.score > SURE_SCORE)
     if not sure.any():
         return
     best = int(np.argmax(np.where(sure, pieces.shapes.high[:, 1] - pieces.shapes.low[:, 1], -1.0)))

@@ -14,7 +14,7 @@ from galewood.modal.terms import hold as hold
 from galewood.modal.terms import write_force_terms, write_pose_terms, write_sway
 from galewood.util import Array, Floats
 
-BATCH = 64
+BATCH_TREES = 64
 """Trees per matrix product: few enough that BLAS stays on one core."""
 
 
@@ -27,7 +27,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
     np.dot(force, terms[: force.shape[1]], total[: len(e)])
     for k in range(len(e)):
         a, b, _, _, s0, _ = step[k]
-        for lane in range(BATCH):
+        for lane in range(BATCH_TREES):
             total[k, lane] += load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
             # the mean speed during the step, without the drag
             ahead[k, lane] = (a * e[k, lane] + b * v[k, lane] + s0 * total[k, lane]) * (0.5 / half_s)
@@ -35,7 +35,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
         add_drag(point, inputs, outputs, rest, ahead, pressure, moved, total[: len(e)])
     for k in range(len(e)):
         a, b, c, d, s0, s1 = step[k]
-        for lane in range(BATCH):
+        for lane in range(BATCH_TREES):
             x, y, f = e[k, lane], v[k, lane], total[k, lane]
             e[k, lane] = x + (a * x + b * y + s0 * f)
             v[k, lane] = y + (c * x + d * y + s1 * f)
@@ -47,7 +47,7 @@ def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
     e, v, pressure, _, pairs, _, _, _, _ = batch
     write_sway(sway, e, pairs[0])
     small, reach = MODAL_REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
-    for lane in range(BATCH):
+    for lane in range(BATCH_TREES):
         if pressure[0, lane] != 0.0 or pressure[1, lane] != 0.0:
             continue
         if max(abs(pairs[0, 0, lane]), abs(pairs[0, 1, lane])) > small:
@@ -134,7 +134,7 @@ def advance_trees(
                 phase[i] -= 1.0
                 tree[count] = i
                 count += 1
-            if count == BATCH or (count > 0 and i == len(phase) - 1):
+            if count == BATCH_TREES or (count > 0 and i == len(phase) - 1):
                 _step_trees(tensors, half_s, batch, count, state)
                 stepped += count
                 count = 0
@@ -162,14 +162,14 @@ def working_room(modal: ModalTensors) -> tuple[Array, ...]:
     d = len(modal.step)
     terms = max(len(modal.force), len(modal.pose))
     heights = (d, d, 2, d)
-    rooms = [np.zeros((height, BATCH)) for height in heights]
-    total = np.zeros((max(d, modal.pose.shape[1]), BATCH))
-    moved = np.zeros((3 * len(modal.drag_point) + 6, BATCH))
+    rooms = [np.zeros((height, BATCH_TREES)) for height in heights]
+    total = np.zeros((max(d, modal.pose.shape[1]), BATCH_TREES))
+    moved = np.zeros((3 * len(modal.drag_point) + 6, BATCH_TREES))
     return (
         *rooms,
-        np.zeros((3, 2, BATCH)),
-        np.zeros((terms, BATCH)),
+        np.zeros((3, 2, BATCH_TREES)),
+        np.zeros((terms, BATCH_TREES)),
         total,
         moved,
-        np.zeros(BATCH, np.int64),
+        np.zeros(BATCH_TREES, np.int64),
     )

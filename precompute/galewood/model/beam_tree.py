@@ -20,7 +20,7 @@ from galewood.model.crown_mass import twig_loads
 from galewood.model.foliage import crown_loads, without_leaves
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
 from galewood.skinning import LARGEST_RIGID_PIECE, Axis, axis_of_frame, leading_vertices
-from galewood.tets import FLOOR
+from galewood.tets import MIN_RADIUS_SHARE
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
 
@@ -117,7 +117,7 @@ def _on_points(values: Floats) -> Floats:
 
 def _stiff_radius_m(vertices_m: Floats) -> float:
     """Radius of the softest tetrahedra that the mesh of this wood will have: beams agree with them."""
-    return STIFFNESS_FLOOR * FLOOR * float(np.linalg.norm(np.ptp(vertices_m, axis=0)))
+    return STIFFNESS_FLOOR * MIN_RADIUS_SHARE * float(np.linalg.norm(np.ptp(vertices_m, axis=0)))
 
 
 def frame_of(branches: Outline) -> Frame:

@@ -21,7 +21,7 @@ from galewood.util import write_atomically
 OnProgress = Callable[[float, str], None]
 
 PAPER_VERSION = 2
-UNRELATED = (
+UNRELATED_SOURCES = (
     "bench/",
     "cli/",
     "pictures/",
@@ -113,7 +113,7 @@ def code_hash() -> str:
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*.py")):
         name = path.relative_to(root).as_posix()
-        if not name.startswith(UNRELATED):
+        if not name.startswith(UNRELATED_SOURCES):
             digest.update(name.encode() + path.read_bytes())
     return digest.hexdigest()
 

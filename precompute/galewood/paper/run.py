@@ -24,7 +24,7 @@ from galewood.paper.speed import by_elements, forests, memory
 from galewood.paper.text import write_text
 from galewood.table import Table
 
-STRENGTH = 0.65
+PEAK_SPEED_RATIO = 0.65
 """Peak speed of the unseen winds over the design speed."""
 
 
@@ -75,7 +75,7 @@ def _plan_figures(plan: Plan) -> dict[str, Any]:
         "trees": list(plan.trees),
         "queries": plan.queries,
         "seed": plan.seed,
-        "strength": STRENGTH,
+        "strength": PEAK_SPEED_RATIO,
         "quick": plan.quick,
     }
 
@@ -118,7 +118,9 @@ def _measure(
 
 
 def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
-    options = EvaluationOptions(frames=plan.frames, strength=STRENGTH, seed=plan.seed, workers=plan.workers)
+    options = EvaluationOptions(
+        frames=plan.frames, strength=PEAK_SPEED_RATIO, seed=plan.seed, workers=plan.workers
+    )
     return evaluate_table(tree.table, tree.source, options, plan.cache_dir, on_progress)
 
 

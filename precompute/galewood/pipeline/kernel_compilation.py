@@ -20,7 +20,7 @@ from galewood.table import Table, decode
 from galewood.util import Floats, compile_once
 from galewood.wind import Wind, WindField
 
-SIDES, RINGS = 10, 6
+TUBE_SIDES, TUBE_RINGS = 10, 6
 LIMBS = (
     # start, end (m), radius at both (m): overlapping, as in most tree meshes
     ((0.0, 0.0, 0.0), (0.0, 2.6, 0.0), 0.15, 0.12),
@@ -81,21 +81,21 @@ def _tube(start: Floats, end: Floats, radius_start_m: float, radius_end_m: float
     axis = (end - start) / np.linalg.norm(end - start)
     side = np.cross(axis, (0.0, 0.0, 1.0))
     side /= np.linalg.norm(side)
-    angle = np.arange(SIDES) * 2 * np.pi / SIDES
+    angle = np.arange(TUBE_SIDES) * 2 * np.pi / TUBE_SIDES
     circle = np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * np.cross(axis, side)
-    share = np.linspace(0, 1, RINGS)[:, None, None]
+    share = np.linspace(0, 1, TUBE_RINGS)[:, None, None]
     radius = radius_start_m + (radius_end_m - radius_start_m) * share
     return (start + share * (end - start) + radius * circle).reshape(-1, 3)
 
 
 def _tube_faces() -> list[tuple[int, ...]]:
     faces: list[tuple[int, ...]] = []
-    for ring in range(RINGS - 1):
-        for k in range(SIDES):
-            a, b = ring * SIDES + k, ring * SIDES + (k + 1) % SIDES
-            faces.append((a, b, b + SIDES, a + SIDES))
-    last = (RINGS - 1) * SIDES
-    return [*faces, tuple(reversed(range(SIDES))), tuple(range(last, last + SIDES))]
+    for ring in range(TUBE_RINGS - 1):
+        for k in range(TUBE_SIDES):
+            a, b = ring * TUBE_SIDES + k, ring * TUBE_SIDES + (k + 1) % TUBE_SIDES
+            faces.append((a, b, b + TUBE_SIDES, a + TUBE_SIDES))
+    last = (TUBE_RINGS - 1) * TUBE_SIDES
+    return [*faces, tuple(reversed(range(TUBE_SIDES))), tuple(range(last, last + TUBE_SIDES))]
 
 
 def _first_runs(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:

@@ -10,9 +10,16 @@ from typing import Any
 
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import BuildOptions, Progress
-from galewood.shipped import PICTURE, SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
+from galewood.shipped import (
+    PICTURE_SUFFIX,
+    SHIPPED_FOLDER,
+    ShippedTree,
+    build_key,
+    read_shipped,
+    write_shipped,
+)
 
-TETS = "tets-"
+TETS_PREFIX = "tets-"
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,7 @@ def ship(
         publish=published.__setitem__,
     )
     assert result.records is not None
-    tets_name = next(name for name in published if name.startswith(TETS))
+    tets_name = next(name for name in published if name.startswith(TETS_PREFIX))
     tree = ShippedTree(
         table=result.table,
         records=result.records,
@@ -64,7 +71,7 @@ def ship(
         tets=published[tets_name],
         tets_name=tets_name,
         report=result.report,
-        pictures={name: content for name, content in published.items() if name.endswith(PICTURE)},
+        pictures={name: content for name, content in published.items() if name.endswith(PICTURE_SUFFIX)},
         bare_table=result.bare_table,
         compliance=result.compliance,
     )

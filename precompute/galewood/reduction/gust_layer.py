@@ -20,19 +20,19 @@ from galewood.sampling import noise
 from galewood.util import Array, Floats
 from galewood.wind import crown_field, speed_of_pressure, write_gusts
 
-PLACES, OSCILLATORS = 16, 12
-WINDS, FRAMES = 4, 300
-SLOPE = 1.0
+PLACE_COUNT, OSCILLATOR_COUNT = 16, 12
+WIND_COUNT, FRAME_COUNT = 4, 300
+SPECTRUM_SLOPE = 1.0
 """Exponent of the noise's spectrum: flatter than the 5/3 of free air, as leaves break up the large eddies."""
-SEED = 4
-DRAG = 1.85
+NOISE_SEED = 4
+DRAG_FACTOR = 1.85
 """Damping of motion in a gusty wind over pressure per speed and area: calibrated on six trees (FEM).
 
 4/3 would be the mean over all directions in a steady wind, 1.65 that over the horizontal ones at 1.3.
 """
-DIRECTIONS = 200
+DIRECTION_COUNT = 200
 """Positions and headings of the field over which the mean gust of a place is averaged."""
-INTENSITY = 0.3
+GUST_INTENSITY = 0.3
 """Relative strength of the gusts that the range of the motion is computed from."""
 RANGE_S = 60.0
 
@@ -51,13 +51,13 @@ def gust_modes(body: Oscillators, settings: FemSettings) -> GustModes:
     nodes = np.flatnonzero(exposure.area_m2 > 0)
     if not len(nodes) or not len(exposure.place_m):
         return GustModes(no_gusts(), np.zeros((0, wide)))
-    places = min(PLACES, len(nodes))
+    places = min(PLACE_COUNT, len(nodes))
     cluster = clusters(exposure.place_m[nodes], exposure.area_m2[nodes], places)
     members = [nodes[cluster == g] for g in range(int(cluster.max()) + 1)]
     area = exposure.area_m2 * exposure.share
     centres = np.array([_centre(exposure.place_m[m], area[m]) for m in members])
     loads = np.concatenate([_load(body, m, area) for m in members], axis=1)
-    own = reduced(replace(body, load=loads), _noise(len(members), settings.dt_s), settings, OSCILLATORS)
+    own = reduced(replace(body, load=loads), _noise(len(members), settings.dt_s), settings, OSCILLATOR_COUNT)
     step = propagators(own.omega, np.diag(own.damping), settings)
     step[:, [0, 3]] -= 1.0
     motion = own.shapes.reshape(len(own.omega), -1, 3)
@@ -91,11 +91,11 @@ def _load(body: Oscillators, members: Array, area: Floats) -> Floats:
 
 def _mean_gust(places_m: Floats, weight: Floats) -> float:
     """Root mean square of the gust averaged over places, over that at a point."""
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(NOISE_SEED)
     field, out = crown_field(0), np.zeros((1, 2 * len(places_m)))
     one, still = np.ones(1), np.array([[1.0, 0.0]])
     squares = np.zeros(2)
-    for _ in range(DIRECTIONS):
+    for _ in range(DIRECTION_COUNT):
         heading, x, z = rng.uniform(0, (2 * np.pi, 48.0, 48.0))
         c, s = np.cos(heading), np.sin(heading)
         # so weak that no gust is limited, and in a wind along the heading
@@ -108,9 +108,10 @@ def _mean_gust(places_m: Floats, weight: Floats) -> float:
 
 def _noise(places: int, dt_s: float) -> list[Floats]:
     """Independent noise (T, 2G) along both axes at every place; a linear response needs no scale."""
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(NOISE_SEED)
     return [
-        np.stack([noise(rng, FRAMES, dt_s, SLOPE) for _ in range(2 * places)], axis=1) for _ in range(WINDS)
+        np.stack([noise(rng, FRAME_COUNT, dt_s, SPECTRUM_SLOPE) for _ in range(2 * places)], axis=1)
+        for _ in range(WIND_COUNT)
     ]
 
 
@@ -118,7 +119,7 @@ def _drag(motion: Floats, exposure: Exposure) -> Floats:
     """(L,) damping of each oscillator, 1/s, per Pa·s/m of the wind's pressure over its speed."""
     area = exposure.area_m2
     shelter = np.sqrt(np.average(exposure.share, weights=area))
-    return DRAG * shelter * np.einsum("n,kni->k", area, np.square(motion / exposure.profile[:, None]))
+    return DRAG_FACTOR * shelter * np.einsum("n,kni->k", area, np.square(motion / exposure.profile[:, None]))
 
 
 def _motion(tensors: GustTensors, pressure_pa: float, dt_s: float, frames: int) -> Floats:
@@ -133,7 +134,7 @@ def _motion(tensors: GustTensors, pressure_pa: float, dt_s: float, frames: int) 
     speed_m_s, pressure = float(speed_of_pressure(pressure_pa)), (pressure_pa * one, nothing)
     track, gusts, field = np.zeros((frames, count)), np.zeros((1, 2 * len(place))), crown_field(0)
     for frame in range(frames):
-        carried = (1.0, 0.0, max(speed_m_s, 1.0) * frame * dt_s, INTENSITY)
+        carried = (1.0, 0.0, max(speed_m_s, 1.0) * frame * dt_s, GUST_INTENSITY)
         write_gusts(field, carried, place, nothing, nothing, turn, one, pressure, gusts)
         advance_gusts(tuple(widened), one, turn, nothing, pressure, gusts, state, q)
         track[frame] = state[0][0]

@@ -32,12 +32,12 @@ from galewood.reduction.modal_runs import ModalRun
 from galewood.reduction.oscillators import response
 from galewood.util import Array, Floats
 
-RIDGE = 1e-2
+RIDGE_PENALTY = 1e-2
 """Penalty on the coefficients, relative to the mean of the diagonal of the normal equations."""
-ITERATIONS = 100
+MAX_ITERATIONS = 100
 FIRST_STEP = 1 / 30
 """Length of the first step of the minimiser in its own variables; a longer one can make the model diverge."""
-CORRECTIONS = 30
+LBFGS_CORRECTIONS = 30
 """Steps that L-BFGS remembers."""
 
 
@@ -86,7 +86,7 @@ def fitted_force(
         own, by_force = cost(scaling.force(variables))
         return own / first_cost, scaling.by_variables(by_force) / first_cost
 
-    options = {"maxiter": ITERATIONS, "maxcor": CORRECTIONS}
+    options = {"maxiter": MAX_ITERATIONS, "maxcor": LBFGS_CORRECTIONS}
     found = scipy.optimize.minimize(
         scaled_cost, scaling.variables(start), jac=True, method="L-BFGS-B", options=options
     )
@@ -160,7 +160,7 @@ class _Scaling:
             for table, w in zip(tables, weights, strict=True):
                 moved = w * response(oscillator, table / size)
                 normal += moved.T @ moved * (reach[k] / len(table))
-            self._ridges[k] = RIDGE * np.trace(normal) / len(size)
+            self._ridges[k] = RIDGE_PENALTY * np.trace(normal) / len(size)
             self._roots.append(np.linalg.cholesky(normal + max(self._ridges[k], 1e-300) * np.eye(len(size))))
 
     def variables(self, force: Floats) -> Floats:

@@ -15,7 +15,7 @@ from galewood.fem import FemSettings
 from galewood.reduction.linear import linear_motion
 from galewood.reduction.oscillators import Oscillators
 from galewood.reduction.training_error import simulated_q
-from galewood.sampling import FURTHER_WINDS, STRONGEST_M_S, WINDS, SampleWind, WindShape, training_shapes
+from galewood.sampling import FURTHER_WINDS, STRONGEST_M_S, WIND_COUNT, SampleWind, WindShape, training_shapes
 from galewood.util import Floats
 
 WEAKEST_M_S = 0.5
@@ -37,10 +37,10 @@ def training_winds(
 ) -> TrainingWinds:
     """The training winds of a body, whose vertices have the masses (n,) kg."""
     first_hz = float(body.omega[0]) / (2 * np.pi)
-    shapes = training_shapes(first_hz, settings.dt_s, seed=seed, count=WINDS + FURTHER_WINDS)
+    shapes = training_shapes(first_hz, settings.dt_s, seed=seed, count=WIND_COUNT + FURTHER_WINDS)
     speeds = speeds_for(shapes, body, mass_kg, height_m, settings)
     winds = [shape.at(speed) for shape, speed in zip(shapes, speeds.tolist(), strict=True)]
-    return TrainingWinds(winds[:WINDS], winds[WINDS:])
+    return TrainingWinds(winds[:WIND_COUNT], winds[WIND_COUNT:])
 
 
 def speeds_for(

@@ -13,7 +13,7 @@ from galewood.wind import dynamic_pressure
 MAX_SWAY_SHARE = 0.2
 """Relative to the height, under the steady design wind."""
 SETTLE_S = 5.0
-ROUNDS = 5
+ROUND_COUNT = 5
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ def design_wind(body: Body, speed_m_s: float, height_m: float, dt_s: float) -> D
     """The requested speed, reduced until its steady sway in the worse of two directions is acceptable."""
     asked = speed_m_s
     sway = _sway_share(body, speed_m_s, height_m, dt_s)
-    for _ in range(ROUNDS):
+    for _ in range(ROUND_COUNT):
         if sway <= MAX_SWAY_SHARE:
             break
         lower = (0.95 * MAX_SWAY_SHARE / min(sway, 4.0)) ** (1.0 / STREAMLINED_EXPONENT)

@@ -8,14 +8,14 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from galewood.sampling.recording import COSINE, SampledRun, SampleWind, StoredRun, sample_winds
+from galewood.sampling.recording import COSINE_PREFIX, SampledRun, SampleWind, StoredRun, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
 from galewood.util import Array
 
 if TYPE_CHECKING:
     from galewood.fem import FemModel
 
-UNRECORDED_PREFIXES = tuple(f"{COSINE}{k}-" for k in (0, 2, 4))
+UNRECORDED_PREFIXES = tuple(f"{COSINE_PREFIX}{k}-" for k in (0, 2, 4))
 """Cosine winds without which the paper's method errs no more (docs/design/0013-training-runs.md)."""
 FIRST_DEFAULT = slice(0, None, 3)
 """The early table uses every third run of the default method."""

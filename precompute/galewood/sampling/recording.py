@@ -30,7 +30,7 @@ COSINE_WINDS = (
     (0.83, 0.30, 5.0, 0.55),
     (1.00, 0.50, 3.5, 0.50),
 )
-COSINE = "cosine-"
+COSINE_PREFIX = "cosine-"
 ALL_COSINES = len(COSINE_WINDS) * len(DIRECTIONS_DEG)
 GUST_PEAK = 0.6
 GUST_S = 1.5

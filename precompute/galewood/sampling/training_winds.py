@@ -16,16 +16,16 @@ from galewood.sampling.recording import SampleWind
 from galewood.util import Floats
 from galewood.wind import dynamic_pressure
 
-WINDS, FRAMES = 20, 200
+WIND_COUNT, FRAMES_PER_WIND = 20, 200
 FURTHER_WINDS = 20
 """Additional winds for trees that bend far, which continue the sequence."""
 SWAY_SHARES = (0.2, 0.05, 0.2, 0.1, 0.2, 0.03, 0.15)
 """Largest sway of the winds, in turn, over the height. Seven, as the kinds of wind repeat after five."""
 STRONGEST_M_S = 60.0
 """Limit of the speed, for trees too stiff to sway so far in any wind."""
-GUSTINESS, WHITE_GUSTINESS = 0.45, 0.6
+TRAINING_GUSTINESS, WHITE_GUSTINESS = 0.45, 0.6
 """Standard deviation of the speed over its mean."""
-TURNS = 0.5
+HEADING_TURNS = 0.5
 """Turns of the heading during a wind, in addition to its variation."""
 CALM_FRAMES = 60
 """Still air at the end of some winds: a free decay after an abrupt stop."""
@@ -67,14 +67,14 @@ class _Setting:
 
     @property
     def time_s(self) -> Floats:
-        return np.arange(FRAMES, dtype=np.float64) * self.dt_s
+        return np.arange(FRAMES_PER_WIND, dtype=np.float64) * self.dt_s
 
     def noise(self, beta: float) -> Floats:
-        return noise(self.rng, FRAMES, self.dt_s, beta)
+        return noise(self.rng, FRAMES_PER_WIND, self.dt_s, beta)
 
 
 def training_shapes(
-    first_hz: float, dt_s: float, *, seed: int = TRAINING_SEED, count: int = WINDS
+    first_hz: float, dt_s: float, *, seed: int = TRAINING_SEED, count: int = WIND_COUNT
 ) -> list[WindShape]:
     """The first training winds of a tree with this first natural frequency.
 
@@ -83,7 +83,7 @@ def training_shapes(
     """
     rng = np.random.default_rng((seed, 2))
     first_rad = rng.uniform(0, 2 * np.pi)
-    turn_rad = TURNS * np.linspace(0, 2 * np.pi, FRAMES)
+    turn_rad = HEADING_TURNS * np.linspace(0, 2 * np.pi, FRAMES_PER_WIND)
     shapes: list[WindShape] = []
     for k in range(count):
         side = 1.0 if k % 3 else -1.0
@@ -97,7 +97,7 @@ def training_shapes(
 
 
 def _gusts(of: _Setting) -> Floats:
-    speed = np.clip(1.0 + GUSTINESS * of.noise(5 / 3), 0.0, 1.6)
+    speed = np.clip(1.0 + TRAINING_GUSTINESS * of.noise(5 / 3), 0.0, 1.6)
     wander = of.rng.uniform(0.3, 0.7) * of.noise(2.0)
     return _along(speed, of.start_rad + of.turn_rad + wander)
 

@@ -23,13 +23,23 @@ from galewood.search.envelope import keep_winners
 from galewood.search.similarity import Compared
 from galewood.util import Array, Floats
 
-MARGIN = 1e-9
+ROUNDING_MARGIN = 1e-9
 """A candidate is dropped only if it loses by more than any rounding error."""
-CHUNK = 48
+CHUNK_STATES = 48
 """States per task of the thread pool."""
-GRID = 64
+GRID_CELLS = 64
 """Cells per side of the pressure grid, each one σ wide; pressures beyond it go to the last cell."""
-AROUND = (0, 1, -1, GRID, -GRID, GRID + 1, GRID - 1, 1 - GRID, -1 - GRID)
+NEIGHBOUR_OFFSETS = (
+    0,
+    1,
+    -1,
+    GRID_CELLS,
+    -GRID_CELLS,
+    GRID_CELLS + 1,
+    GRID_CELLS - 1,
+    1 - GRID_CELLS,
+    -1 - GRID_CELLS,
+)
 """Index offsets of a cell and its neighbours."""
 GAIN_STEPS_PER_SIGMA = 256
 GAIN_SPAN_SIGMA = 12
@@ -131,9 +141,9 @@ def cells_of(pressure, sigma, lowest):  # pragma: no cover  (compiled)
     """(z,) grid cell of each pressure (z, 2); the outermost cells stay empty as a border."""
     cells = np.empty(len(pressure), np.int32)
     for j in range(len(pressure)):
-        x = 1 + min(int((pressure[j, 0] - lowest[0]) / sigma), GRID - 3)
-        z = 1 + min(int((pressure[j, 1] - lowest[1]) / sigma), GRID - 3)
-        cells[j] = x * GRID + z
+        x = 1 + min(int((pressure[j, 0] - lowest[0]) / sigma), GRID_CELLS - 3)
+        z = 1 + min(int((pressure[j, 1] - lowest[1]) / sigma), GRID_CELLS - 3)
+        cells[j] = x * GRID_CELLS + z
     return cells
 
 
@@ -169,7 +179,7 @@ def _choose_rows(first, bounds, air, weighing, chosen):
             elif calm[j]:
                 chosen[i, j] = not calm[c]
             else:
-                error = bounds[i, j] / components - MARGIN
+                error = bounds[i, j] / components - ROUNDING_MARGIN
                 chosen[i, j] = not _beats(c, j, error, 0.0, pressure, scale, leverage[1], gain)
 
 
@@ -195,17 +205,17 @@ def _pairs(c, row, chosen, air, cells, weighing, room):
         kept[0] = c
         count = 1
         still_kept = calm[c]
-        hopeless[int(calm[c])] = 2 * MARGIN + leverage
+        hopeless[int(calm[c])] = 2 * ROUNDING_MARGIN + leverage
         if across:
-            hopeless[:] = 2 * MARGIN + leverage
+            hopeless[:] = 2 * ROUNDING_MARGIN + leverage
     for i in range(number):
         j = order[i]
         if barred[j] or j == c:
             continue
-        error = row[j] / components - MARGIN
+        error = row[j] / components - ROUNDING_MARGIN
         if error > max(hopeless[0], hopeless[1]):
             break
-        hopeless[int(calm[j])] = min(hopeless[int(calm[j])], error + 2 * MARGIN + leverage)
+        hopeless[int(calm[j])] = min(hopeless[int(calm[j])], error + 2 * ROUNDING_MARGIN + leverage)
         if calm[j]:
             beaten = still_kept
             still_kept = True
@@ -214,7 +224,7 @@ def _pairs(c, row, chosen, air, cells, weighing, room):
             beaten = use_successor and _beats(
                 c, j, error, row[c] / components, pressure, scale, leverage, gain
             )
-            for side in AROUND:
+            for side in NEIGHBOUR_OFFSETS:
                 if beaten:
                     break
                 s = head[cells[j] + side]
@@ -253,12 +263,12 @@ def _prune_rows(
         np.empty(rows.shape[1], np.int32),
         np.empty(rows.shape[1], np.int32),
     )
-    head = np.empty(GRID * GRID, np.int32)
+    head = np.empty(GRID_CELLS * GRID_CELLS, np.int32)
     for i in range(len(rows)):
         c, row = first + i, rows[i]
         count = _pairs(c, row, chosen[i], air, cells, weighing, (kept, order, head, after))
         if not air.barred[c]:
-            count = keep_winners(c, row, air, weighing, MARGIN, kept, count)
+            count = keep_winners(c, row, air, weighing, ROUNDING_MARGIN, kept, count)
         _sort_successor(c, row, kept, count)
         counts[i] = count
         for s in range(count):
@@ -304,14 +314,14 @@ def build_search(
     builder = Builder(stages(layout), air, weighing, cells)
 
     def chunk(first: int) -> tuple[Array, Array, Array]:
-        return builder.candidates(first, min(first + CHUNK, z))
+        return builder.candidates(first, min(first + CHUNK_STATES, z))
 
     parts: list[tuple[Array, Array, Array]] = []
     # Threads instead of numba's parallel loops: the kernels release the GIL, and builds may run concurrently.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for part in pool.map(chunk, range(0, z, CHUNK)):
+        for part in pool.map(chunk, range(0, z, CHUNK_STATES)):
             parts.append(part)
-            on_progress(min(1.0, len(parts) * CHUNK / z))
+            on_progress(min(1.0, len(parts) * CHUNK_STATES / z))
     counts = np.concatenate([part[0] for part in parts])
     offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.uint32)
     return Search(

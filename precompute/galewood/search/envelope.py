@@ -15,16 +15,16 @@ import math
 import numba
 import numpy as np
 
-STEEPEST = 2.0 * math.exp(-0.5)
+MAX_SLOPE = 2.0 * math.exp(-0.5)
 """Largest slope of g_j − g_k per σ: that of each Gaussian is at most exp(−1/2) / σ."""
 SMALLEST_BOX = 1.0 / 12.0
 """Smallest half-width of a box, in σ: if that is not decisive, the candidate stays."""
-NEAR = 1.4
+NEAR_SIGMA = 1.4
 """Rivals are the successor and the candidates within this distance, in σ."""
-LANES = 8
-BLOCK = 4 * LANES
-"""Rivals that are compared at a time, as vectors of LANES numbers."""
-DEPTH = 64
+VECTOR_LANES = 8
+BLOCK_RIVALS = 4 * VECTOR_LANES
+"""Rivals that are compared at a time, as vectors of VECTOR_LANES numbers."""
+STACK_BOXES = 64
 """Capacity of the stack of boxes; a radius has at most 9 subdivisions, each of which adds 3 boxes."""
 _TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(6)])
 """Taylor series of exp(−t) for small t."""
@@ -73,11 +73,11 @@ def _settle(rivals, count, start, x, z, near_j, reach):  # pragma: no cover  (co
     """
     total, first = 0, start
     while True:
-        everywhere, centre = _cheaper(rivals, first, min(first + BLOCK, count), x, z, near_j, reach)
+        everywhere, centre = _cheaper(rivals, first, min(first + BLOCK_RIVALS, count), x, z, near_j, reach)
         if everywhere:
             return 1, first
         total += centre
-        first = first + BLOCK if first + BLOCK < count else 0
+        first = first + BLOCK_RIVALS if first + BLOCK_RIVALS < count else 0
         if first == start:
             return 2 if total else 0, start
 
@@ -86,7 +86,7 @@ def _settle(rivals, count, start, x, z, near_j, reach):  # pragma: no cover  (co
 def _may_win(j_at, rivals, count, radius, stack):  # pragma: no cover  (compiled)
     """Whether record j may win somewhere within ``radius`` (σ) against ``count`` rivals.
 
-    rivals: (4, n), n a multiple of LANES: x and z in σ, the advantage g_j − g_k above which rival k is
+    rivals: (4, n), n a multiple of VECTOR_LANES: x and z in σ, the advantage g_j − g_k above which rival k is
     cheaper for every λ, and the largest slope of g_j − g_k.
     """
     stack[0, 0], stack[0, 1], stack[0, 2] = j_at[0], j_at[1], radius  # whole rows take long to compile
@@ -101,7 +101,7 @@ def _may_win(j_at, rivals, count, radius, stack):  # pragma: no cover  (compiled
         found, start = _settle(rivals, count, start, x, z, _gaussian(0.5 * squared), reach)
         if found == 1:
             continue
-        if found == 0 or half < SMALLEST_BOX or depth + 4 > DEPTH:
+        if found == 0 or half < SMALLEST_BOX or depth + 4 > STACK_BOXES:
             return True
         for s in range(4):
             side_x = 0.5 * half if s % 2 else -0.5 * half
@@ -127,15 +127,15 @@ def _rivals_of(s, errors, at, leverage, margin, squared, near, rivals):  # pragm
     n = 1
     for k in range(1, len(errors)):
         near[n] = k
-        n += squared[k] <= NEAR * NEAR
+        n += squared[k] <= NEAR_SIGMA * NEAR_SIGMA
     for i in range(n):
         k = near[i]
         gap = errors[k] - own
         rivals[0, i], rivals[1, i] = at_x[k], at_z[k]
         rivals[2, i] = gap * (of_more if gap > 0.0 else of_less)
-        rivals[3, i] = min(math.sqrt(squared[k]), STEEPEST)
-    rivals[2, n : n + LANES] = np.inf  # never cheaper: completes the last vector
-    return (n + LANES - 1) // LANES * LANES
+        rivals[3, i] = min(math.sqrt(squared[k]), MAX_SLOPE)
+    rivals[2, n : n + VECTOR_LANES] = np.inf  # never cheaper: completes the last vector
+    return (n + VECTOR_LANES - 1) // VECTOR_LANES * VECTOR_LANES
 
 
 @numba.njit(cache=True, nogil=True)
@@ -155,7 +155,7 @@ def keep_winners(c, row, air, weighing, margin, kept, count):
         at[0, s], at[1, s] = pressure[k, 0] / sigma, pressure[k, 1] / sigma
         if calm[k] and not calm[c]:
             at[0, s] = np.inf  # nobody's rival
-    rivals, stack = np.zeros((4, count + LANES)), np.empty((DEPTH, 3))
+    rivals, stack = np.zeros((4, count + VECTOR_LANES)), np.empty((STACK_BOXES, 3))
     squared, near = np.empty(count), np.empty(count + 1, np.int64)
     remain = 1
     for s in range(1, count):

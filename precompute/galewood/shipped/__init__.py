@@ -1,7 +1,7 @@
 """The results of a build that are distributed with the software: file format, reading and writing."""
 
 from galewood.shipped.files import (
-    PICTURE,
+    PICTURE_SUFFIX,
     SHIPPED_FOLDER,
     ShippedTree,
     build_key,
@@ -9,4 +9,4 @@ from galewood.shipped.files import (
     write_shipped,
 )
 
-__all__ = ["PICTURE", "SHIPPED_FOLDER", "ShippedTree", "build_key", "read_shipped", "write_shipped"]
+__all__ = ["PICTURE_SUFFIX", "SHIPPED_FOLDER", "ShippedTree", "build_key", "read_shipped", "write_shipped"]

@@ -23,7 +23,7 @@ from galewood.versions import SAMPLING_VERSION
 
 SHIPPED_FOLDER = "shipped"
 """Folder of the shipped files, beside the meshes of the built-in trees."""
-PICTURE = ".png"
+PICTURE_SUFFIX = ".png"
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def read_shipped(folder: Path, name: str, key: str) -> ShippedTree | None:
             tets=files[f"{name}.tets.npz"],
             tets_name=str(index["tets_name"]),
             report=dict(index["report"]),
-            pictures={file[start:]: files[file] for file in files if file.endswith(PICTURE)},
+            pictures={file[start:]: files[file] for file in files if file.endswith(PICTURE_SUFFIX)},
             bare_table=files.get(f"{name}.bare.table"),
             compliance=_unpacked(files.get(f"{name}.compliance.gz")),
         )

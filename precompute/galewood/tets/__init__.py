@@ -1,12 +1,12 @@
 """Tetrahedral meshing; in: the wood surface of a TreeMesh; out: a connected TetMesh."""
 
-from galewood.tets.meshing import FLOOR, TetMesh, cached_tetrahedra_path, tetrahedralise
+from galewood.tets.meshing import MIN_RADIUS_SHARE, TetMesh, cached_tetrahedra_path, tetrahedralise
 from galewood.tets.quality import FACES_OF_TET, boundary_faces, tet_volumes
 from galewood.tets.radius_ratio import scattered_weights
 
 __all__ = [
     "FACES_OF_TET",
-    "FLOOR",
+    "MIN_RADIUS_SHARE",
     "TetMesh",
     "boundary_faces",
     "cached_tetrahedra_path",

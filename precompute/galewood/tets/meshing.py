@@ -26,24 +26,22 @@ from galewood.tets.thicken import Thickened, thicken
 from galewood.tets.wrap import decimate, whole_part, wrap
 from galewood.util import Floats, Int32s, Ints, MeshError
 
-FLOOR = 2.8e-3  # smallest radius, relative to the diagonal
-ENVELOPE = 0.3  # fTetWild's envelope relative to the floor; a smaller one gives more tets
+MIN_RADIUS_SHARE = 2.8e-3  # smallest radius, relative to the diagonal
+ENVELOPE_FLOOR_RATIO = 0.3  # fTetWild's envelope relative to the floor; a smaller one gives more tets
 CELLS_PER_FLOOR = 1.5
 EDGE_LENGTH = 0.08  # relative to the diagonal
 STOP_ENERGY = 30.0
-PASSES = 2  # of fTetWild's optimisation; more cost half a second each and gain less than polishing does
+OPTIMISATION_PASSES = 2  # of fTetWild; more cost half a second each and gain less than polishing does
 TETS_PER_FACE = 0.95
 FILLED_UP = 0.7  # of the target: with fewer tets, long edges are split
 POLISHED_WITHIN = 0.2  # of the floor: how far polishing slides a vertex along the surface; 0.6 softens limbs
 BAD_SHAPE, BAD_WITHIN = 0.05, 0.5  # vertices of such tets may slide further
-RAISES, RAISE = (
-    5,
-    1.2,
-)  # of the floor, before the shell is filled: a floor as low as possible keeps the stiffness
-FEWEST, MOST = 0.55, 1.45  # relative to the target
+MAX_FLOOR_RAISES, FLOOR_RAISE_FACTOR = 5, 1.2
+"""Raises before the shell is filled: a floor as low as possible keeps the stiffness."""
+MIN_TARGET_RATIO, MAX_TARGET_RATIO = 0.55, 1.45  # relative to the target
 MAX_LOST_EXTENT = 0.03
 MAX_LOST_VOLUME = 1e-3  # in disconnected pieces
-ATTEMPTS = 4
+MAX_ATTEMPTS = 4
 TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=200)
 
 
@@ -63,8 +61,8 @@ class Recipe:
 
     faces: int
     fewest: int  # tets; long edges are split until there are as many
-    floor: float = FLOOR
-    envelope: float = ENVELOPE
+    floor: float = MIN_RADIUS_SHARE
+    envelope: float = ENVELOPE_FLOOR_RATIO
 
 
 @dataclass(frozen=True)
@@ -107,7 +105,7 @@ def _attempts(surface: Surface, target_tets: int) -> TetMesh:
     recipe = Recipe(faces=round(target_tets / TETS_PER_FACE), fewest=round(FILLED_UP * target_tets))
     tried: list[str] = []
     best: TetMesh | None = None
-    for _ in range(ATTEMPTS):
+    for _ in range(MAX_ATTEMPTS):
         recipe, shell = _connected_shell(surface, recipe)
         mesh = _attempt(surface, shell, recipe)
         count, lost = len(mesh.tets), mesh.report["lost_extent"]
@@ -146,7 +144,7 @@ def _adjusted(recipe: Recipe, wanted: float) -> Recipe:
 def _penalty(mesh: TetMesh, target_tets: int) -> float:
     """0 for an acceptable mesh, otherwise its distance from the limits."""
     share = len(mesh.tets) / target_tets
-    off = max(FEWEST - share, share - MOST, 0.0)
+    off = max(MIN_TARGET_RATIO - share, share - MAX_TARGET_RATIO, 0.0)
     off += 10.0 * max(mesh.report["lost_volume"] - MAX_LOST_VOLUME, 0.0)
     return off + 10.0 * max(mesh.report["lost_extent"] - MAX_LOST_EXTENT, 0.0)
 
@@ -157,12 +155,12 @@ def _connected_shell(surface: Surface, recipe: Recipe) -> tuple[Recipe, Shell]:
     Such a floor may not exist, for instance if the input itself is in pieces; then the last floor is used.
     """
     shell = _shell(surface, recipe)
-    for _ in range(RAISES):
+    for _ in range(MAX_FLOOR_RAISES):
         vertices, share = whole_part(shell.decimated)
         lost = lost_extent(surface.vertices, vertices)
         if share >= 1.0 - MAX_LOST_VOLUME and lost <= MAX_LOST_EXTENT:
             break
-        recipe = replace(recipe, floor=recipe.floor * RAISE)
+        recipe = replace(recipe, floor=recipe.floor * FLOOR_RAISE_FACTOR)
         shell = _shell(surface, recipe)
     return recipe, shell
 
@@ -183,7 +181,7 @@ def _attempt(surface: Surface, shell: Shell, recipe: Recipe) -> TetMesh:
             "epsilon": np.array(recipe.floor * recipe.envelope),
             "edge_length": np.array(EDGE_LENGTH),
             "stop_energy": np.array(STOP_ENERGY),
-            "passes": np.array(PASSES),
+            "passes": np.array(OPTIMISATION_PASSES),
         },
         TETWILD_LIMITS,
         what="Meshing the wood",

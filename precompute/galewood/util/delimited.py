@@ -15,7 +15,9 @@ DELIMITERS = ("\t", ";", ",")
 LOOKED_AT = 50
 """Lines from which the delimiter is found."""
 COMMENTS = ("#", "%", "!", "//")
-MISSING = frozenset(("", "nan", "na", "n/a", "#n/a", "null", "none", "nodata", "-", "--", "inf", "-inf"))
+MISSING_VALUES = frozenset(
+    ("", "nan", "na", "n/a", "#n/a", "null", "none", "nodata", "-", "--", "inf", "-inf")
+)
 SENTINELS = frozenset((-999.0, -9999.0, -99999.0, 7999.0, -7999.0))
 """Numbers that loggers write for a missing value."""
 LONGEST_CELL = 10_000
@@ -77,7 +79,7 @@ def rows_of(text: str) -> Iterator[Row]:
 
 def number_of(cell: str) -> float:
     """The number in a cell, with a point or a comma; NaN if the value is missing. ValueError."""
-    if cell.lower() in MISSING:
+    if cell.lower() in MISSING_VALUES:
         return math.nan
     if not _NUMBER.fullmatch(cell):
         raise ValueError(f"{cell[:40]!r} is not a number")

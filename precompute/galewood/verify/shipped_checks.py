@@ -22,8 +22,8 @@ from galewood.pipeline import (
 from galewood.table import Table, decode
 from galewood.verify.checks import Check, absolute, skipped
 
-FRAMES = 300
-SEED = 77_003
+FRAME_COUNT = 300
+WIND_SEED = 77_003
 SAME_MESH, OTHER_MESH = 1e-6, 0.05
 """Limits of the worst of ten frequencies: same tetrahedra, and meshed again (meshes scatter by 3 %)."""
 SAME_ERRORS = 1.05
@@ -84,6 +84,6 @@ def _errors(name: str, table: Table, rebuilt: Table, glb: Path, cache: Path) -> 
 
 
 def _largest_error(table: Table, source: Source, cache: Path) -> float:
-    options = EvaluationOptions(frames=FRAMES, seed=SEED)
+    options = EvaluationOptions(frames=FRAME_COUNT, seed=WIND_SEED)
     found = evaluate_table(table, source, options, cache, lambda fraction, message: None)
     return max(float(methods["modal"]["max_error"]) for methods in found.values())

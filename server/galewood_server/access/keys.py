@@ -15,7 +15,7 @@ from galewood_server.settings import Settings
 
 WRITE_METHODS = frozenset({"POST", "PUT", "PATCH", "DELETE"})
 READ_ONLY_POSTS = frozenset({"/api/winds/validate", "/api/convert"})  # POST only because of their bodies
-FORWARDED = frozenset(
+FORWARDED_HEADERS = frozenset(
     {
         "forwarded", "via", "x-real-ip", "x-client-ip", "x-cluster-client-ip", "x-original-host",
         "true-client-ip", "cf-connecting-ip", "fastly-client-ip", "fly-client-ip",
@@ -81,6 +81,6 @@ def _is_local(scope: Scope, headers: Headers) -> bool:
     client = scope.get("client")
     if client is None or not is_loopback(client[0]) or scope.get("http_version") == "1.0":
         return False
-    if any(name in FORWARDED or name.startswith("x-forwarded-") for name in headers):
+    if any(name in FORWARDED_HEADERS or name.startswith("x-forwarded-") for name in headers):
         return False
     return is_loopback(host_name(headers.get("host", "")) or "")

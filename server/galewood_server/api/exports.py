@@ -12,7 +12,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
-from galewood.export import REVISION, ExportKind, ExportOptions, TextureFormat
+from galewood.export import EXPORT_REVISION, ExportKind, ExportOptions, TextureFormat
 from galewood.util import write_atomically
 from galewood.wind import PRESETS, Wind, parse_wind
 from pydantic import BaseModel, ConfigDict, Field
@@ -22,7 +22,7 @@ from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, problems
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-ZIP = contents("The files of the export.", "application/zip")
+ZIP_CONTENT = contents("The files of the export.", "application/zip")
 
 
 class ExportQuery(BaseModel):
@@ -57,7 +57,7 @@ class _Source:
 @router.get(
     "/{tree_id}/exports/{kind}",
     response_class=FileResponse,
-    responses={**ZIP, **NOT_MODIFIED, **problems(404, 409, 422, 503)},
+    responses={**ZIP_CONTENT, **NOT_MODIFIED, **problems(404, 409, 422, 503)},
 )
 async def get_export(
     tree_id: str,
@@ -103,7 +103,7 @@ def _source(service: Service, tree_id: str) -> _Source:
 
 
 def _key(source: _Source, kind: str, options: ExportOptions) -> str:
-    parts = [REVISION, source.table_sha256, source.mesh_sha256, source.name, kind, options.document()]
+    parts = [EXPORT_REVISION, source.table_sha256, source.mesh_sha256, source.name, kind, options.document()]
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 

@@ -33,8 +33,8 @@ from galewood_server.jobs import find_job, fingerprint, queue_job, request_cance
 from galewood_server.storage import JOB_FIELDS, Job, JobState, RawRow, Tree, job_rows
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
-ORDER = (Job.created_at, Job.id)
-LIST = paged(job_rows().order_by(*(column.desc() for column in ORDER)))
+ORDER_COLUMNS = (Job.created_at, Job.id)
+LIST_QUERY = paged(job_rows().order_by(*(column.desc() for column in ORDER_COLUMNS)))
 
 
 @lru_cache(maxsize=KEPT_ROWS)
@@ -57,9 +57,11 @@ def list_jobs(request: Request, service: ServiceDep, query: Annotated[JobQuery, 
     conditions += [Job.tree_id == query.tree_id] if query.tree_id else []
     count = select(func.count(Job.id)).where(Job.kind == "build", *conditions)
     if query.after:
-        conditions.append(rows_after(ORDER, _sort_key(query.after), descending=True))
+        conditions.append(rows_after(ORDER_COLUMNS, _sort_key(query.after), descending=True))
     with service.sessions() as session:
-        page = read_page(session, LIST.where(*conditions) if conditions else LIST, count, query, job_json)
+        page = read_page(
+            session, LIST_QUERY.where(*conditions) if conditions else LIST_QUERY, count, query, job_json
+        )
     return page.response(request, "jobs", _cursor_parts)
 
 
@@ -73,7 +75,7 @@ def _sort_key(cursor: str) -> tuple[datetime, str]:
     return cursor_time(created_at), job_id
 
 
-STARTED = {
+STARTED_RESPONSES = {
     200: {
         "model": JobOut,
         "description": "The tree's table was computed with exactly these settings; the job that computed it.",
@@ -82,7 +84,7 @@ STARTED = {
 }
 
 
-@router.post("", status_code=202, max_body_size=64 * 1024, responses=STARTED)
+@router.post("", status_code=202, max_body_size=64 * 1024, responses=STARTED_RESPONSES)
 def start_job(body: JobRequest, service: ServiceDep, response: Response) -> JobOut:
     """Queue the computation of a tree's table; the settings override the tree's import options."""
     out, new = start_build(service, body.tree_id, body.settings.given())
@@ -126,7 +128,7 @@ def _is_intact(service: Service, table_sha256: str) -> bool:
         return False
 
 
-@router.post("/{job_id}/retry", status_code=202, responses={**STARTED})
+@router.post("/{job_id}/retry", status_code=202, responses={**STARTED_RESPONSES})
 def retry_job(job_id: str, service: ServiceDep, response: Response) -> JobOut:
     """Queue a failed or cancelled job again with its settings; it resumes from stored results."""
     with service.sessions() as session:

@@ -20,14 +20,14 @@ from galewood_server.http import (
 )
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-GLB = contents("All pieces as a GLB.", "model/gltf-binary")
+GLB_CONTENT = contents("All pieces as a GLB.", "model/gltf-binary")
 
 
 @router.post(
     "/{tree_id}/pieces",
     response_class=Response,
     max_body_size=1024,
-    responses={**GLB, **problems(403, 404, 413, 422, 503)},
+    responses={**GLB_CONTENT, **problems(403, 404, 413, 422, 503)},
 )
 async def read_pieces(tree_id: str, service: ServiceDep) -> Response:
     """All pieces of an upload's tree, also those that are left out, to choose from: a GLB with the attribute

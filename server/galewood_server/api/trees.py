@@ -50,10 +50,10 @@ from galewood_server.storage import (
 )
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-ORDER = (case((Tree.builtin, 0), else_=1), Tree.created_at, Tree.id)
-COUNT = select(func.count(Tree.id))
-LIST = paged(tree_rows().order_by(*ORDER))
-ONE = tree_rows(Tree.report).where(Tree.id == bindparam("id"))
+ORDER_COLUMNS = (case((Tree.builtin, 0), else_=1), Tree.created_at, Tree.id)
+COUNT_QUERY = select(func.count(Tree.id))
+LIST_QUERY = paged(tree_rows().order_by(*ORDER_COLUMNS))
+ONE_QUERY = tree_rows(Tree.report).where(Tree.id == bindparam("id"))
 KEPT_ROWS, KEPT_REPORTS = 4096, 16
 DELETE_IT = "Delete it (DELETE /api/trees/{id}), which also deletes its jobs, then upload its file again."
 
@@ -94,9 +94,9 @@ def _fields(row: RawRow) -> dict[str, Any]:
 @router.get("", response_model=TreeList, responses=NOT_MODIFIED)
 def list_trees(request: Request, service: ServiceDep, query: PageParams) -> Response:
     """A page of the trees, without their reports: built-in trees first, then uploads by age."""
-    rows = LIST.where(rows_after(ORDER, _sort_key(query.after))) if query.after else LIST
+    rows = LIST_QUERY.where(rows_after(ORDER_COLUMNS, _sort_key(query.after))) if query.after else LIST_QUERY
     with service.sessions() as session:
-        page = read_page(session, rows, COUNT, query, tree_json)
+        page = read_page(session, rows, COUNT_QUERY, query, tree_json)
     return page.response(request, "trees", _cursor_parts)
 
 
@@ -116,7 +116,7 @@ def _sort_key(cursor: str) -> tuple[int, datetime, str]:
 def get_tree(tree_id: str, request: Request, service: ServiceDep) -> Response:
     """A tree with its report. 500 `damaged-tree` if its record cannot be read; it can still be deleted."""
     with service.sessions() as session:
-        row = session.execute(ONE, {"id": tree_id}).one_or_none()
+        row = session.execute(ONE_QUERY, {"id": tree_id}).one_or_none()
     if row is None:
         raise not_found("tree", tree_id)
     body = _whole_tree_json(tuple(row))

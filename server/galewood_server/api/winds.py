@@ -22,12 +22,12 @@ class WindOut(BaseModel):
     wind: dict[str, Any]
 
 
-BODY: dict[str, Any] = {
+WIND_BODY: dict[str, Any] = {
     "requestBody": {"required": True, "content": {"application/json": {"schema": {"type": "object"}}}}
 }
 
 
-@router.post("/validate", openapi_extra=BODY, responses=problems(413, 422))
+@router.post("/validate", openapi_extra=WIND_BODY, responses=problems(413, 422))
 async def validate(request: Request) -> WindOut:
     """Validate a wind document (docs/formats/wind.md) and return it in its shortest form as `wind`.
 

@@ -24,7 +24,7 @@ from websockets.exceptions import ConnectionClosedError
 
 from galewood_server.stream import Failure, Forest, Hello, Reply, decode_reply, encode_request
 
-ENDED = ("done", "failed", "cancelled")
+END_STATES = ("done", "failed", "cancelled")
 READ_TIMEOUT_S = 60.0  # the server sends a ping at least every 15 s
 MAX_TRIES = 5
 Json = dict[str, Any]
@@ -86,7 +86,7 @@ class Client:
                 for job in self._events(job_id, kind):
                     tries = 0
                     yield job
-                    if job["state"] in ENDED:
+                    if job["state"] in END_STATES:
                         return
                 time.sleep(1.0)  # the server is shutting down
             except httpx.TransportError:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from galewood.util import lazily
 
-from galewood_server.jobs.analysis_files import PLOT
+from galewood_server.jobs.analysis_files import PLOT_FILE
 from galewood_server.jobs.queue import add_job, find_job, queue_job, request_cancel
 from galewood_server.jobs.table_fingerprint import fingerprint
 
@@ -21,7 +21,7 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
-    "PLOT",
+    "PLOT_FILE",
     "Supervisor",
     "add_job",
     "find_job",

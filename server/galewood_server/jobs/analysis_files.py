@@ -10,7 +10,7 @@ from galewood_server.jobs.progress import JobLease
 from galewood_server.jobs.queue import end_job
 from galewood_server.storage import Stores, mark_garbage, store_referenced
 
-PLOT = "errors.png"
+PLOT_FILE = "errors.png"
 
 
 def store_result(

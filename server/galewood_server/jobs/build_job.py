@@ -38,7 +38,7 @@ Build = Callable[..., BuildResult]
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
 
-FOLLOWING = ("records_sha256", "bare_table_sha256", "compliance_sha256")
+FOLLOWING_COLUMNS = ("records_sha256", "bare_table_sha256", "compliance_sha256")
 """Columns of the files that follow a complete table."""
 LOADED_EARLY = ("scipy.signal", "distributed")
 """Modules that are slow to load, in the order in which they are needed."""
@@ -203,7 +203,7 @@ def _set_table(
         field: store_referenced(session, stores, FILE_COLUMNS[field], data) for field, data in files.items()
     }
     unchanged = tree.table_sha256 == hashes["table_sha256"]
-    kept = {field: getattr(tree, field) for field in FOLLOWING if unchanged}
+    kept = {field: getattr(tree, field) for field in FOLLOWING_COLUMNS if unchanged}
     replace_files(session, tree, {**no_table(), **kept, **hashes})
     tree.preliminary, tree.report = False, result.report
     tree.fingerprint, tree.updated_at = inputs.fingerprint, utc_now()

@@ -11,13 +11,13 @@ from galewood.evaluation import SourceError, run_evaluation
 from galewood.options import EvaluationOptions
 from galewood.table import read_metadata
 
-from galewood_server.jobs.analysis_files import PLOT, store_result
+from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.progress import JobFailedError, JobLease, ProgressReporter
 from galewood_server.jobs.stored_files import stored_bytes, stored_path
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 
-STRENGTH = 0.65
+PEAK_SPEED_RATIO = 0.65
 """Default peak wind speed relative to the design speed, as in `galewood evaluate`."""
 MAIN_FIGURES = ("max_error", "rms_error", "late_error", "growth", "extrapolation_ratio")
 
@@ -38,7 +38,7 @@ def evaluate(
     figures = _run(folder, reporter, request, settings, stores)
     # `growth` is null if nothing grows; NaN would be a defect, hence allow_nan=False
     report = json.dumps(figures, allow_nan=False, default=float).encode()
-    pictures = {PLOT: (folder / PLOT).read_bytes()}
+    pictures = {PLOT_FILE: (folder / PLOT_FILE).read_bytes()}
     store_result(job_lease, stores, main_figures(figures["winds"]), report, pictures)
     shutil.rmtree(folder, ignore_errors=True)
 
@@ -59,7 +59,7 @@ def _run(
     )  # fmt: skip
     try:
         return run_evaluation(
-            table, mesh, model, options, settings.cache_dir, on_progress, plot=folder / PLOT,
+            table, mesh, model, options, settings.cache_dir, on_progress, plot=folder / PLOT_FILE,
             reference_dir=folder,
             records=stored_path(stores, "records", records) if records else None,
         )  # fmt: skip
@@ -74,7 +74,7 @@ def _run(
 def strength_of(table: Path, request: dict[str, Any]) -> float:
     """Peak wind speed relative to the table's design speed."""
     if "speed_m_s" not in request:
-        return STRENGTH
+        return PEAK_SPEED_RATIO
     return float(request["speed_m_s"]) / float(read_metadata(table.read_bytes())["design_speed_m_s"])
 
 

@@ -13,7 +13,7 @@ from galewood_server.jobs.stored_files import stored_bytes
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, Stores, Tree, mark_garbage, replace_files, store_referenced
 
-PREPARING = "Preparing the model"
+PREPARING_MESSAGE = "Preparing the model"
 
 
 def with_model(
@@ -29,7 +29,7 @@ def with_model(
     """
     if request.get("model_sha256"):
         return request
-    reporter.report("model", 0.0, PREPARING)
+    reporter.report("model", 0.0, PREPARING_MESSAGE)
     return _store(job_lease, stores, request, _compute(job_lease, settings, stores))
 
 

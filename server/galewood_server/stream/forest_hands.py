@@ -8,7 +8,7 @@ from galewood.constants import MOST_PULLS_OF_FOREST
 
 from galewood_server.stream.wire_pull import Pull, Vector
 
-STILL: Vector = (0.0, 0.0, 0.0)
+ZERO_FORCE: Vector = (0.0, 0.0, 0.0)
 
 
 class ForestHands:

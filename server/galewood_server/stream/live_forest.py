@@ -10,7 +10,7 @@ import numpy as np
 from galewood.constants import TICK_HZ
 
 from galewood_server.stream.client_buffer import ClientBuffer
-from galewood_server.stream.forest_hands import STILL, ForestHands
+from galewood_server.stream.forest_hands import ZERO_FORCE, ForestHands
 from galewood_server.stream.frames import FrameHistory
 from galewood_server.stream.latest_values import LatestValues
 from galewood_server.stream.wire import (
@@ -205,4 +205,4 @@ class LiveForest:
             history.add(self._clock.ticks, self._clock.time_s, made_s, stepper.write_poses)
             self._pulls = stepper.pullings(pulls)
         else:
-            self._pulls = tuple(Pulling(pull, STILL) for pull in pulls)
+            self._pulls = tuple(Pulling(pull, ZERO_FORCE) for pull in pulls)

@@ -11,7 +11,7 @@ from galewood.constants import PULL_EASE_S, PULL_SAME_PLACE_M
 from galewood.player import DragConstraint, PullError, WindDrivenTrees, point_response
 from galewood.table import Compliance, Table
 
-from galewood_server.stream.forest_hands import STILL
+from galewood_server.stream.forest_hands import ZERO_FORCE
 from galewood_server.stream.wire_forest import Trees
 from galewood_server.stream.wire_pull import Pull, Pulling, Vector
 
@@ -102,7 +102,7 @@ def pullings(pulls: Iterable[Pull], groups: Iterable[GroupPulls]) -> tuple[Pulli
     forces: dict[int, Vector] = {}
     for group in groups:
         forces |= group.forces
-    return tuple(Pulling(pull, forces.get(pull.hand, STILL)) for pull in pulls)
+    return tuple(Pulling(pull, forces.get(pull.hand, ZERO_FORCE)) for pull in pulls)
 
 
 def _vector(constraint: DragConstraint) -> Vector:

@@ -10,7 +10,7 @@ from galewood.constants import BREAST_HEIGHT_M
 from galewood.mesh.qsm.cylinders import NO_CYLINDER, Cylinders, foot_on
 from galewood.util import Floats, Int64s
 
-TRUNK = -1
+TRUNK_PARENT = -1
 SHORTEST_M = 1e-3
 WIDEST_BRANCH = 1.5
 """Largest radius of a branch relative to its parent limb; at its base it is no wider than the limb."""
@@ -53,7 +53,7 @@ def chained(tree: Cylinders) -> list[Branch]:
     order = np.argsort(tree.parent, kind="stable")
     bounds = np.searchsorted(tree.parent[order], np.arange(len(order) + 1))
     direction = (tree.end_m - tree.start_m) / np.maximum(tree.length_m, 1e-12)[:, None]
-    waiting = [(int(np.flatnonzero(tree.parent == NO_CYLINDER)[0]), TRUNK)]
+    waiting = [(int(np.flatnonzero(tree.parent == NO_CYLINDER)[0]), TRUNK_PARENT)]
     found: list[Branch] = []
     for first, parent in waiting:  # grows while it is read
         chain = [first]
@@ -77,7 +77,7 @@ def branch_lines(tree: Cylinders, branches: list[Branch], spacing: float) -> lis
     """The line through every branch; cylinders shorter than ``spacing`` radii are merged."""
     lines: list[Line] = []
     for branch in branches:
-        limb = lines[branch.parent] if branch.parent != TRUNK else None
+        limb = lines[branch.parent] if branch.parent != TRUNK_PARENT else None
         lines.append(_line(tree, branch.cylinders, limb, spacing))
     return lines
 

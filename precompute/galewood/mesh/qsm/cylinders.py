@@ -10,7 +10,7 @@ import numpy as np
 from galewood.options import MAX_HEIGHT_M, MIN_HEIGHT_M
 from galewood.util import Floats, Int64s, MeshError
 
-MOST = 20_000
+MAX_CYLINDERS = 20_000
 NO_CYLINDER = -1
 LOOSE_SHARE = 0.01
 """Largest share of the volume in cylinders that no parent connects with the tree; they are dropped."""
@@ -64,11 +64,11 @@ def check_count(count: int) -> None:
         raise MeshError(
             "no-cylinders", "unsuitable", "The file contains no cylinders.", "Export the whole model again."
         )
-    if count > MOST:
+    if count > MAX_CYLINDERS:
         raise MeshError(
             "too-many-cylinders",
             "too-large",
-            f"The model has {count} cylinders, more than the limit of {MOST}.",
+            f"The model has {count} cylinders, more than the limit of {MAX_CYLINDERS}.",
             "Reconstruct the tree with longer cylinders, or leave out its twigs.",
         )
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from galewood.mesh.qsm.branches import (
-    TRUNK,
+    TRUNK_PARENT,
     Branch,
     Line,
     branch_lines,
@@ -40,7 +40,7 @@ MANY_BRANCHES = 300
 """More than these cannot be meshed without being thickened (docs/how-to/scanned-trees.md)."""
 SPACINGS = (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
 """Distances of the rings of a tube, relative to its radius: the first with few enough faces."""
-BARK = Material(
+BARK_MATERIAL = Material(
     {
         "name": "bark",
         "pbrMetallicRoughness": {
@@ -148,7 +148,7 @@ def _chosen_mm(thickest_m: Floats, min_radius_mm: float | None) -> float:
 
 def _lines(tree: Cylinders, branches: list[Branch], kept: list[int]) -> list[Line]:
     """Lines of the kept branches, with so few points that their tubes stay within the number of faces."""
-    number = {old: new for new, old in enumerate(kept)} | {TRUNK: TRUNK}
+    number = {old: new for new, old in enumerate(kept)} | {TRUNK_PARENT: TRUNK_PARENT}
     renumbered = [replace(branch, parent=number[branch.parent]) for branch in branches]
     lines: list[Line] = []
     for spacing in SPACINGS:
@@ -166,7 +166,7 @@ def _wood(lines: list[Line]) -> RawPart:
         labels=("wood",),
         positions=np.concatenate([vertices for vertices, _ in tubes]),
         faces=np.concatenate(faces).astype(np.int32),
-        material=BARK,
+        material=BARK_MATERIAL,
     )
 
 

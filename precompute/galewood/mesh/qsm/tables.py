@@ -11,7 +11,7 @@ import csv
 
 import numpy as np
 
-from galewood.mesh.qsm.cylinders import MOST, NO_CYLINDER, Cylinders, check_count
+from galewood.mesh.qsm.cylinders import MAX_CYLINDERS, NO_CYLINDER, Cylinders, check_count
 from galewood.mesh.qsm.header import Layout, decoded, layout_of, number, split
 from galewood.util import Floats, Int64s, MeshError
 
@@ -93,7 +93,7 @@ def _rows(lines: list[str], layout: Layout) -> dict[str, Floats]:
                 f"Line {at} of the table is invalid: {error}.",
                 "Correct it, or export the table again.",
             ) from error
-        if len(values) > MOST:
+        if len(values) > MAX_CYLINDERS:
             check_count(len(lines) - layout.first_line)
     check_count(len(values))
     table = np.array(values, dtype=np.float64)

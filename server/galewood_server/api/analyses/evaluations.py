@@ -29,7 +29,7 @@ from galewood_server.http import (
     problems,
     serialisable,
 )
-from galewood_server.jobs import PLOT, add_job, find_job, request_cancel
+from galewood_server.jobs import PLOT_FILE, add_job, find_job, request_cancel
 from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
 
 router = APIRouter(prefix="/api", tags=["evaluations"])
@@ -84,7 +84,7 @@ def evaluation_out(job: Job) -> EvaluationOut:
     return EvaluationOut(
         **analysis_fields(job),
         report=f"{address}/report" if job.result_sha256 else None,
-        plot=f"{address}/plot" if PLOT in job.pictures else None,
+        plot=f"{address}/plot" if PLOT_FILE in job.pictures else None,
     )
 
 
@@ -198,5 +198,5 @@ def get_report(evaluation_id: str, request: Request, service: ServiceDep) -> Res
 def get_plot(evaluation_id: str, request: Request, service: ServiceDep) -> Response:
     """The plot of the errors over time (PNG)."""
     with service.sessions() as session:
-        sha256 = find_job(session, evaluation_id, "evaluation").pictures.get(PLOT)
+        sha256 = find_job(session, evaluation_id, "evaluation").pictures.get(PLOT_FILE)
     return result_file(request, service.stores.pictures, sha256, "plot", "image/png")
