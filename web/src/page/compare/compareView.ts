@@ -4,10 +4,10 @@ import type { TableMotion } from "galewood/client";
 import type { Method } from "galewood/motion";
 import type { TreeModel } from "galewood/trees";
 import type { WindState } from "galewood/wind";
+import { stiffnessInWords } from "../physics/physics";
 import { Problem, type Tree } from "../server/api";
 import { reportOf } from "../server/reports";
 import { make } from "../ui/dom";
-import { stiffnessInWords } from "../physics/physics";
 import { displayName } from "../ui/words";
 import { ComparisonScene, type Shown } from "./comparisonScene";
 import { Curves, percent } from "./curves";
@@ -32,8 +32,8 @@ export interface ComparePage {
   closed(): void;
 }
 
-const SECONDS = 10;
-const WORST = { fine: 0.002, coarse: 0.02 } as const;
+const LOOP_S = 10;
+const WORST_ERROR_SHARES = { fine: 0.002, coarse: 0.02 } as const;
 const WORDS =
   "The solid tree is animated from its table, like every tree in the forest. The blue ghost is the reference solution: " +
   "a full finite element simulation in the current wind, computed on the server. Where they differ, the tree turns red.";
@@ -49,7 +49,7 @@ export class CompareView {
   private readonly again = make("button", "Repeat with the current wind");
   private readonly scene: ComparisonScene;
   private readonly curves: Curves;
-  private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST.fine };
+  private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST_ERROR_SHARES.fine };
   private tracks: Tracks | null = null;
   /** Whether the stiffness of the tree was chosen, in words. */
   private stiffness = "";
@@ -169,7 +169,7 @@ export class CompareView {
       this.showVerdict();
     });
     this.progress(0, "Requesting the reference solution");
-    const frames = Math.round(SECONDS * 30);
+    const frames = Math.round(LOOP_S * 30);
     const asked = { treeId: chosen.tree.id, wind: wind.state, start_s: wind.time_s, frames, ...chosen.place };
     try {
       const tracks = await compare(asked, { progress: (f, w) => this.progress(f, w) }, running.signal);
@@ -184,7 +184,7 @@ export class CompareView {
 
   private choose(method: Method): void {
     this.shown.method = method;
-    this.shown.worst = method === "paper" ? WORST.coarse : WORST.fine;
+    this.shown.worst = method === "paper" ? WORST_ERROR_SHARES.coarse : WORST_ERROR_SHARES.fine;
     this.showVerdict();
   }
 
@@ -232,7 +232,7 @@ export class CompareView {
       `Maximum displacement: ${most(sway)} % of tree height. Maximum error: ${most(max)} % of tree height ` +
       `(Hausdorff distance ${most(hausdorff)} %). Full red marks an error of ${percent(100 * this.shown.worst)} %.`;
     const foliage = this.foliage === "bare" ? "without leaves" : "in leaf";
-    this.status.textContent = `Table ${foliage}; ${SECONDS} s of this wind, starting from rest, in a loop. ${this.stiffness}`;
+    this.status.textContent = `Table ${foliage}; ${LOOP_S} s of this wind, starting from rest, in a loop. ${this.stiffness}`;
   }
 
   private seek(time_s: number): void {

@@ -3,9 +3,9 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Tracks } from "./tracks";
 
-const INK = "#cfd3d2";
-const GRID = { stroke: "rgba(255,255,255,0.1)", width: 1 };
-const AXIS = { stroke: INK, grid: GRID, ticks: GRID, font: "11px sans-serif" };
+const INK_COLOUR = "#cfd3d2";
+const GRID_STYLE = { stroke: "rgba(255,255,255,0.1)", width: 1 };
+const AXIS = { stroke: INK_COLOUR, grid: GRID_STYLE, ticks: GRID_STYLE, font: "11px sans-serif" };
 const DECADES = [1e-3, 100] as const;
 
 export const COLOURS = { sway: "#9aa6ab", modal: "#8fd694", paper: "#f2ad3f" } as const;

@@ -12,7 +12,7 @@ export interface DataFileEvents {
 
 /** From then on a reading is mentioned. */
 const SLOW_MS = 2000;
-const TEXT = /\.(csv|tsv|txt|dat|json|geojson)$/i;
+const TEXT_PATTERN = /\.(csv|tsv|txt|dat|json|geojson)$/i;
 
 export class DataFiles {
   private open: (events: DataFileEvents) => void = () => {};
@@ -28,7 +28,7 @@ export class DataFiles {
 
   /** Passes a file on if it is no tree; returns whether it did. */
   async take(file: File): Promise<boolean> {
-    if (!TEXT.test(file.name)) return false;
+    if (!TEXT_PATTERN.test(file.name)) return false;
     const slow = setTimeout(
       () => showToast(`Reading ${file.name}`, "A large file takes a while.", "good"),
       SLOW_MS,

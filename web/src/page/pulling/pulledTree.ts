@@ -16,7 +16,7 @@ export interface Grip {
 }
 
 /** Number of this page's hand: random, so that clients of a shared forest have different ones. */
-const HAND = Math.floor(Math.random() * 2 ** 48);
+const HAND_ID = Math.floor(Math.random() * 2 ** 48);
 
 export class HeldTree {
   private shown: readonly MovingGroup[] = [];
@@ -42,7 +42,7 @@ export class HeldTree {
 
   /** What is shown of this page's pull. */
   private get pull(): PulledTree | null {
-    return this.world.client.pulled.find(({ hand, held }) => held && hand === HAND) ?? null;
+    return this.world.client.pulled.find(({ hand, held }) => held && hand === HAND_ID) ?? null;
   }
 
   /** The held point in the world; null if the tree is gone. */
@@ -78,7 +78,7 @@ export class HeldTree {
     const { swung } = displacementOf(this.drawn(tree), this.grip.vertex, null);
     const [x, y, z] = wanted.map((at, axis) => (at - rest[axis] - swung[axis]) / value);
     const order: PullOrder = {
-      hand: HAND,
+      hand: HAND_ID,
       at: place,
       vertex: this.grip.vertex,
       target_m: [x, y, z],
@@ -87,7 +87,7 @@ export class HeldTree {
   }
 
   release(): void {
-    this.world.client.release(HAND);
+    this.world.client.release(HAND_ID);
   }
 }
 

@@ -10,8 +10,8 @@ import { Plane, Raycaster, Vector3 } from "three";
 import type { PickedTree } from "../../scene/forest";
 import { PullHandle } from "../../scene/overlays/pullHandle";
 import type { World } from "../forest/world";
-import type { Store } from "../store/store";
 import type { TreePicker } from "../picking/treePicker";
+import type { Store } from "../store/store";
 import { grabbedVertex, vertexAt } from "./grabPoint";
 import { grabbedTree, HeldTree, treeAt } from "./pulledTree";
 import { PullTag, pullInWords } from "./pullTag";
@@ -35,7 +35,7 @@ const KEYS: Readonly<Record<string, readonly [number, number, number]>> = {
   PageUp: [0, 0, -1],
   PageDown: [0, 0, 1],
 };
-const HELP = "Arrow keys move the point, Page Up and Page Down push and pull it, Enter releases it.";
+const HELP_TEXT = "Arrow keys move the point, Page Up and Page Down push and pull it, Enter releases it.";
 
 interface Press {
   readonly pointer: number;
@@ -239,7 +239,7 @@ export class Puller {
       const { point } = held;
       if (!point) return;
       this.start(held, "keys", point);
-      this.tag.announce(`Holding the tip of the tree. ${HELP}`);
+      this.tag.announce(`Holding the tip of the tree. ${HELP_TEXT}`);
     }
   }
 

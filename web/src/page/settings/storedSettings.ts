@@ -8,7 +8,7 @@ import { queryFromSettings, type Settings, settingsFromQuery } from "./settings"
 import { withShared } from "./sharedForest";
 import { windFromQuery } from "./windQuery";
 
-const KEY = "galewood.settings";
+const STORAGE_KEY = "galewood.settings";
 const VERSION = 1;
 
 type Shelf = Pick<Storage, "getItem" | "setItem">;
@@ -16,7 +16,7 @@ type Shelf = Pick<Storage, "getItem" | "setItem">;
 /** The defaults with the stored settings applied; unreadable storage is ignored. */
 export function remembered(defaults: Settings, shelf: () => Shelf): Settings {
   try {
-    const kept: unknown = JSON.parse(shelf().getItem(KEY) ?? "null");
+    const kept: unknown = JSON.parse(shelf().getItem(STORAGE_KEY) ?? "null");
     if (typeof kept !== "object" || kept === null) return defaults;
     const { version, query } = kept as Record<string, unknown>;
     if (version !== VERSION || typeof query !== "string") return defaults;
@@ -31,7 +31,7 @@ export function keep(settings: Settings, defaults: Settings, shelf: () => Shelf)
   try {
     // an inventory belongs to its address
     const query = queryFromSettings({ ...settings, inventory: defaults.inventory }, defaults);
-    shelf().setItem(KEY, JSON.stringify({ version: VERSION, query }));
+    shelf().setItem(STORAGE_KEY, JSON.stringify({ version: VERSION, query }));
   } catch {
     // Storage is full or blocked: continue without it.
   }

@@ -5,16 +5,16 @@ import { make } from "../dom";
 import { kolmogorovLine, powerSpectrum } from "./powerSpectrum";
 import { RATE_HZ, type Recorder } from "./recorder";
 
-const WIDTH = 292;
+const WIDTH_PX = 292;
 const SHOWN_S = 20;
 const SHOWN_HZ = [0.06, 6] as const;
 const LINE_HZ = [0.3, 2] as const;
-const INK = "#cfd3d2";
-const GRID = { stroke: "rgba(255,255,255,0.1)", width: 1 };
-const AXIS = { stroke: INK, grid: GRID, ticks: GRID, font: "10px sans-serif" };
+const INK_COLOUR = "#cfd3d2";
+const GRID_STYLE = { stroke: "rgba(255,255,255,0.1)", width: 1 };
+const AXIS_STYLE = { stroke: INK_COLOUR, grid: GRID_STYLE, ticks: GRID_STYLE, font: "10px sans-serif" };
 
 const timeOptions: uPlot.Options = {
-  width: WIDTH,
+  width: WIDTH_PX,
   height: 118,
   legend: { show: false },
   cursor: { show: false },
@@ -24,9 +24,9 @@ const timeOptions: uPlot.Options = {
     tip: { range: (_, __, high) => [0, Math.max(0.1, (high ?? 0) * 1.1)] },
   },
   axes: [
-    { ...AXIS, size: 26, gap: 3, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
-    { ...AXIS, scale: "speed", size: 40, values: (_, ticks) => ticks.map((tick) => `${tick}`) },
-    { ...AXIS, scale: "tip", side: 1, size: 48, stroke: "#8fd694", grid: { show: false } },
+    { ...AXIS_STYLE, size: 26, gap: 3, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
+    { ...AXIS_STYLE, scale: "speed", size: 40, values: (_, ticks) => ticks.map((tick) => `${tick}`) },
+    { ...AXIS_STYLE, scale: "tip", side: 1, size: 48, stroke: "#8fd694", grid: { show: false } },
   ],
   series: [
     {},
@@ -36,7 +36,7 @@ const timeOptions: uPlot.Options = {
 };
 
 const spectrumOptions: uPlot.Options = {
-  width: WIDTH,
+  width: WIDTH_PX,
   height: 138,
   legend: { show: false },
   cursor: { show: false },
@@ -46,12 +46,16 @@ const spectrumOptions: uPlot.Options = {
   },
   axes: [
     {
-      ...AXIS,
+      ...AXIS_STYLE,
       size: 26,
       gap: 3,
       values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} Hz` : "")),
     },
-    { ...AXIS, size: 46, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
+    {
+      ...AXIS_STYLE,
+      size: 46,
+      values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")),
+    },
   ],
   series: [
     {},
