@@ -7,7 +7,7 @@ import { type Subject, VIEWS, type ViewName, viewpoint } from "../../scene/camer
 import type { World } from "../forest/world";
 import type { Frame } from "../forest/frameLoop";
 import type { Store } from "../store/store";
-import { make, prefersCalm } from "../ui/dom";
+import { make, makeButton, prefersCalm } from "../ui/dom";
 import { toggle, tool } from "../controls/tools";
 
 /** The camera is not taken out of hands that have moved it this long ago. */
@@ -69,13 +69,11 @@ export class Views {
     opener.setAttribute("aria-controls", menu.id);
     open(false);
     for (const name of Object.keys(VIEWS) as ViewName[]) {
-      const item = make("button", VIEWS[name]);
-      item.type = "button";
-      item.addEventListener("click", () => {
+      const choose = () => {
         open(false);
         this.view(name);
-      });
-      menu.append(item);
+      };
+      menu.append(makeButton(VIEWS[name], choose));
     }
     addEventListener("keydown", (event) => {
       if (event.key !== "Escape" || menu.hidden) return;

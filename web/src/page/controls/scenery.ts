@@ -3,7 +3,7 @@
 import { effect } from "@preact/signals-core";
 import { SEASONS, type Season } from "../../scene/season/season";
 import { clockOf } from "../../scene/sky/daytime";
-import { element, make } from "../ui/dom";
+import { element, make, makeButton } from "../ui/dom";
 
 /** Signals. */
 export interface Scenery {
@@ -43,12 +43,10 @@ export class SceneryBar {
   }
 
   private seasonButton(season: Season) {
-    const button = make("button", WORDS[season]);
-    button.type = "button";
-    button.dataset.season = season;
-    button.addEventListener("click", () => {
+    const button = makeButton(WORDS[season], () => {
       this.scenery.season = season;
     });
+    button.dataset.season = season;
     return { season, button };
   }
 

@@ -1,15 +1,13 @@
 /** Buttons of the toolbar: an icon, and words for screen readers and the menu of a phone. */
 import { effect } from "@preact/signals-core";
-import { make } from "../ui/dom";
+import { make, makeButton } from "../ui/dom";
 import { type IconName, icon } from "./icons";
 
 export function tool(name: IconName, words: string, pressed: () => void): HTMLButtonElement {
-  const made = make("button", "", "tool");
-  made.type = "button";
+  const made = makeButton("", pressed, "tool");
   made.title = words;
   made.setAttribute("aria-label", words);
   made.append(icon(name), make("span", words));
-  made.addEventListener("click", pressed);
   return made;
 }
 

@@ -1,45 +1,37 @@
 /** Card of a forest from an inventory: its size, the report, and back to the usual forest. */
+import { effect } from "@preact/signals-core";
 import { extentOf } from "../../scene/stand";
-import type { NamedInventory } from "./inventoryForest";
-import { element, make } from "../ui/dom";
+import type { PageState } from "../store/store";
+import { element, make, makeButton } from "../ui/dom";
+import type { NamedInventory } from "./namedInventory";
 
 export interface InventoryTools {
-  report(): void;
-  look(): void;
+  report(inventory: NamedInventory): void;
+  look(inventory: NamedInventory): void;
   remove(): void;
 }
 
-export class InventoryCard {
-  private readonly root = make("article", "", "card inventory");
-  private readonly words = make("p");
-
-  constructor(tools: InventoryTools) {
-    this.root.hidden = true;
-    this.root.setAttribute("aria-label", "Forest from an inventory");
-    const row = make("div", "", "picked-tools");
-    for (const [words, pressed] of [
-      ["Report", () => tools.report()],
-      ["Show all", () => tools.look()],
-      ["Remove", () => tools.remove()],
-    ] as const) {
-      const button = make("button", words);
-      button.type = "button";
-      button.addEventListener("click", pressed);
-      row.append(button);
-    }
-    this.root.append(make("h2", "Inventory"), this.words, row);
-    element("cards").prepend(this.root);
-  }
-
-  show(inventory: NamedInventory | null): void {
-    this.root.hidden = inventory === null;
+/** Makes the card, which is shown while an inventory is planted. */
+export function makeInventoryCard(state: Pick<PageState, "inventory">, tools: InventoryTools): void {
+  const root = make("article", "", "card inventory");
+  root.setAttribute("aria-label", "Forest from an inventory");
+  const words = make("p");
+  const planted = () => (state.inventory === "loading" ? null : state.inventory);
+  const button = (name: string, pressed: (inventory: NamedInventory) => void) =>
+    makeButton(name, () => {
+      const inventory = planted();
+      if (inventory) pressed(inventory);
+    });
+  const row = make("div", "", "picked-tools");
+  row.append(button("Report", tools.report), button("Show all", tools.look), button("Remove", tools.remove));
+  root.append(make("h2", "Inventory"), words, row);
+  element("cards").prepend(root);
+  effect(() => {
+    const inventory = planted();
+    root.hidden = inventory === null;
     if (!inventory) return;
     const { name, stems } = inventory;
     const { width_m, depth_m } = extentOf(stems);
-    this.words.textContent = `${name}: ${stems.length} trees on ${width_m.toFixed(0)} × ${depth_m.toFixed(0)} m`;
-  }
-
-  dispose(): void {
-    this.root.remove();
-  }
+    words.textContent = `${name}: ${stems.length} trees on ${width_m.toFixed(0)} × ${depth_m.toFixed(0)} m`;
+  });
 }

@@ -1,13 +1,14 @@
-/** The inventory of the page: where it comes from, and its card. */
+/** Plants the forest from an inventory: that of an address, or that of a visitor's file. */
 
 import type { Inventory } from "galewood/inventory";
 import { extentOf, standView } from "../../scene/stand";
 import type { World } from "../forest/world";
+import { Problem } from "../server/api";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
-import { InventoryCard } from "./inventoryCard";
 import { showToast } from "../ui/toast";
-import { InventoryForest } from "./inventoryForest";
+import { makeInventoryCard } from "./inventoryCard";
+import { loadInventory, type NamedInventory, namedInventory, showInventory } from "./namedInventory";
 
 const NOT_SHARED =
   "Put it at an address of this server (galewood forest FILE) and open the page with ?inventory=ADDRESS.";
@@ -20,66 +21,62 @@ export function canBeShared({ state, settings }: Store): boolean {
 }
 
 export class InventoryPlanting {
-  private readonly forest = new InventoryForest({ changed: () => this.arrived(), problem: showToast });
-  private readonly card = new InventoryCard({
-    report: () => this.forest.report(),
-    look: () => this.showStand(),
-    remove: () => this.remove(),
-  });
-  /** Whether the inventory is that of a file, which has no address. */
-  private fromFile = false;
-
   constructor(
     private readonly store: Store,
     private readonly world: World,
   ) {
     const { settings } = store;
+    makeInventoryCard(store.state, {
+      report: showInventory,
+      look: (inventory) => this.look(inventory),
+      remove: () => this.plant(null, ""),
+    });
     watch(
       () => [settings.inventory],
-      ([address]) => {
-        if (address !== "" || !this.fromFile) this.follow(address);
-      },
+      ([address]) => void this.follow(address),
     );
-    if (settings.inventory !== "") this.follow(settings.inventory);
+    if (settings.inventory !== "") void this.follow(settings.inventory);
   }
 
-  /** Loads the inventory of an address; an empty one removes it. */
-  private follow(address: string): void {
-    this.fromFile = false;
-    this.store.state.inventory = "loading";
-    void this.forest.follow(address);
-  }
-
-  /** Plants the stems of a file; in a shared forest the others could not see them. */
-  open(inventory: Inventory, name: string): void {
+  /** Plants the inventory of an address, unless another one is wanted by then. An empty address removes it. */
+  private async follow(address: string): Promise<void> {
     const { settings, state } = this.store;
-    if (state.share !== null) {
+    if (address === "") {
+      state.inventory = null;
+      return;
+    }
+    state.inventory = "loading";
+    let found: NamedInventory | null = null;
+    try {
+      found = await loadInventory(address);
+    } catch (error) {
+      if (!(error instanceof Problem)) throw error;
+      showToast(error.title, error.hint);
+    }
+    if (settings.inventory === address) this.plant(found, address);
+  }
+
+  /** Plants the stems of a file, which has no address; in a shared forest the others could not see them. */
+  open(inventory: Inventory, name: string): void {
+    if (this.store.state.share !== null) {
       showToast("A shared forest cannot be planted from a file.", NOT_SHARED);
       return;
     }
-    this.fromFile = true;
-    state.inventory = "loading";
-    settings.inventory = "";
-    this.forest.open(inventory, name);
+    const found = namedInventory(inventory, name);
+    this.plant(found, "");
+    showInventory(found);
   }
 
-  private remove(): void {
-    this.fromFile = false;
-    if (this.store.settings.inventory === "") this.follow("");
-    else this.store.settings.inventory = "";
-  }
-
-  private arrived(): void {
-    this.card.show(this.forest.current);
-    this.store.state.inventory = this.forest.current;
-    if (this.store.opened.eye === null) this.showStand();
+  private plant(inventory: NamedInventory | null, address: string): void {
+    const { settings, state, opened } = this.store;
+    settings.inventory = address;
+    state.inventory = inventory;
+    if (inventory && opened.eye === null) this.look(inventory);
   }
 
   /** Shows all of the stand. */
-  private showStand(): void {
-    const { current } = this.forest;
-    if (!current) return;
-    const { eye, target } = standView(extentOf(current.stems), this.world.stage.camera.aspect);
+  private look({ stems }: NamedInventory): void {
+    const { eye, target } = standView(extentOf(stems), this.world.stage.camera.aspect);
     this.world.look(eye, target);
   }
 }

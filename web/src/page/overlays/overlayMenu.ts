@@ -1,5 +1,5 @@
 /** Menu on the card of the picked tree: what to draw on it, and which mode. */
-import { make } from "../ui/dom";
+import { make, makeButton, write } from "../ui/dom";
 
 export const OVERLAYS = {
   none: "Nothing",
@@ -33,10 +33,8 @@ export class OverlayMenu {
       ["‹", "Previous mode", -1],
       ["›", "Next mode", 1],
     ] as const) {
-      const button = make("button", words);
-      button.type = "button";
+      const button = makeButton(words, () => choice.mode(step));
       button.setAttribute("aria-label", name);
-      button.addEventListener("click", () => choice.mode(step));
       this.steps.append(button);
     }
     this.note.setAttribute("role", "status");
@@ -48,6 +46,6 @@ export class OverlayMenu {
     this.select.value = kind;
     this.steps.hidden = kind !== "modes";
     this.note.hidden = note === "";
-    if (this.note.textContent !== note) this.note.textContent = note;
+    write(this.note, note);
   }
 }

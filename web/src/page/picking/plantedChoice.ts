@@ -1,6 +1,6 @@
 /** How an upload is planted, as a row of buttons of which one is pressed. */
 import type { Planted } from "../settings/planted";
-import { make } from "../ui/dom";
+import { make, makeButton } from "../ui/dom";
 
 const CHOICES: readonly (readonly [Planted | null, string, string])[] = [
   ["one", "One", "One in the clearing"],
@@ -17,10 +17,8 @@ export class PlantedChoice {
     this.root.setAttribute("role", "group");
     this.root.setAttribute("aria-label", "How this upload is planted");
     this.buttons = CHOICES.map(([how, words, hint]) => {
-      const button = make("button", words);
-      button.type = "button";
+      const button = makeButton(words, () => chosen(how));
       button.title = hint;
-      button.addEventListener("click", () => chosen(how));
       return [how, button] as const;
     });
     this.root.append(make("span", "Planted"), ...this.buttons.map(([, button]) => button));

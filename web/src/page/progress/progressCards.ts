@@ -8,7 +8,7 @@ import type { World } from "../forest/world";
 import { isActive, type Job, pictureUrl, type Tree, type TreeChange } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
 import { watch } from "../store/signals";
-import { element, make } from "../ui/dom";
+import { element, make, makeButton } from "../ui/dom";
 import { JobProgress } from "./jobProgress";
 import { displayName } from "../ui/words";
 
@@ -185,11 +185,9 @@ export class ProgressCards {
 }
 
 function offer(name: Offer, tree: string, pressed: () => void): HTMLButtonElement {
-  const button = make("button", OFFERS[name]);
-  button.type = "button";
+  const button = makeButton(OFFERS[name], pressed);
   button.hidden = true;
   button.setAttribute("aria-label", `${OFFERS[name]}: ${tree}`);
-  button.addEventListener("click", pressed);
   return button;
 }
 

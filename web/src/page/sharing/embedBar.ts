@@ -1,7 +1,7 @@
 /** The only controls of an embedded forest: pause, and a link to the whole page. */
 import { effect } from "@preact/signals-core";
 import type { Playback } from "../store/playback";
-import { element, make } from "../ui/dom";
+import { element, make, makeButton } from "../ui/dom";
 
 /** The address of the whole page, given that of an embedded one. */
 function withoutEmbed(link: string): string {
@@ -14,9 +14,7 @@ function withoutEmbed(link: string): string {
 export function showEmbedBar(playback: Playback, link: () => string): void {
   const bar = element("embed");
   bar.hidden = false;
-  const pause = make("button");
-  pause.type = "button";
-  pause.addEventListener("click", () => {
+  const pause = makeButton("", () => {
     playback.paused = !playback.paused;
   });
   effect(() => {

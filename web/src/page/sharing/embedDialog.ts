@@ -1,5 +1,5 @@
 /** Shows the code that embeds the forest in another page. */
-import { make } from "../ui/dom";
+import { make, makeButton } from "../ui/dom";
 
 const EMBED_TEXT =
   "Paste this into a page. It shows the forest as it is now, with a pause button and a link. The server decides which " +
@@ -14,13 +14,11 @@ export function showEmbedCode(code: string, copy: (text: string) => Promise<void
   text.readOnly = true;
   text.rows = 6;
   text.setAttribute("aria-label", "Embed code");
-  const [copyButton, close] = [make("button", "Copy"), make("button", "Close")];
-  for (const button of [copyButton, close]) button.type = "button";
-  copyButton.addEventListener("click", () => {
+  const copyButton = makeButton("Copy", () => {
     text.select();
     void copy(code);
   });
-  close.addEventListener("click", () => dialog.close());
+  const close = makeButton("Close", () => dialog.close());
   dialog.addEventListener("close", () => dialog.remove());
   const head = make("header");
   head.append(heading, copyButton, close);

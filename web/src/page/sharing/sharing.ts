@@ -1,5 +1,4 @@
 /** Links to this forest: copies them, shares the forest with others, shows who is here, and the code that embeds it. */
-import { effect } from "@preact/signals-core";
 import type { World } from "../forest/world";
 import { canBeShared } from "../inventory/inventoryPlanting";
 import { embedCode } from "./embedCode";
@@ -7,7 +6,7 @@ import { type Moment, shareQuery } from "../settings/link";
 import { withShared } from "../settings/sharedForest";
 import type { Store } from "../store/store";
 import { showEmbedCode } from "./embedDialog";
-import { SharingCard } from "./sharingCard";
+import { makeSharingCard } from "./sharingCard";
 import { showToast } from "../ui/toast";
 import { tool } from "../controls/tools";
 
@@ -43,11 +42,11 @@ export class Sharing {
     private readonly store: Store,
     private readonly world: World,
   ) {
-    const { state } = store;
-    const card = new SharingCard({ copyLink: () => this.copyShared(), embed: () => this.embed() });
-    effect(() => {
-      if (state.share !== null) card.show(state.present);
-    });
+    makeSharingCard(
+      store.state,
+      () => this.copyShared(),
+      () => this.embed(),
+    );
   }
 
   /** What is seen now. */

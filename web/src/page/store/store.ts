@@ -3,7 +3,7 @@
  * feature subscribes to what it needs, and whoever changes a value need not know who does.
  */
 import { batch } from "@preact/signals-core";
-import type { NamedInventory } from "../inventory/inventoryForest";
+import type { NamedInventory } from "../inventory/namedInventory";
 import { type Moment, momentFrom } from "../settings/link";
 import { DEFAULTS, type Settings } from "../settings/settings";
 import { sharedFrom } from "../settings/sharedForest";

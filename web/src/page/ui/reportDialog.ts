@@ -1,5 +1,5 @@
 /** A dialog that says what was understood of a file. */
-import { make } from "./dom";
+import { make, makeButton } from "./dom";
 
 export interface ReportWords {
   readonly heading: string;
@@ -18,9 +18,7 @@ export function showReport({ heading, file, figures, notes, control }: ReportWor
   const title = make("h2", heading);
   title.id = "report-heading";
   dialog.setAttribute("aria-labelledby", title.id);
-  const close = make("button", "Close");
-  close.type = "button";
-  close.addEventListener("click", () => dialog.close());
+  const close = makeButton("Close", () => dialog.close());
   dialog.addEventListener("close", () => dialog.remove());
   const head = make("header");
   head.append(title, close);

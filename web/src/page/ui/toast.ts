@@ -1,4 +1,4 @@
-import { element, make } from "./dom";
+import { element, make, makeButton } from "./dom";
 
 const STAYS_MS = 12_000;
 
@@ -9,13 +9,11 @@ export function showToast(title: string, hint: string, tone: "bad" | "good" = "b
   );
   if (said) return;
   const toast = make("div", "", `toast ${tone}`);
-  const dismiss = make("button", "Dismiss");
-  dismiss.type = "button";
-  toast.append(make("strong", title), dismiss, make("p", hint));
   const timer = setTimeout(() => toast.remove(), STAYS_MS);
-  dismiss.addEventListener("click", () => {
+  const dismiss = makeButton("Dismiss", () => {
     clearTimeout(timer);
     toast.remove();
   });
+  toast.append(make("strong", title), dismiss, make("p", hint));
   element("toasts").append(toast);
 }

@@ -1,7 +1,7 @@
 /** Shows a file on its way to the server, with the remaining time; closing the dialog ends the upload. */
 import "../ownTree/ownTree.css";
 import { type ReportedTree, uploadTree } from "../server/api";
-import { make } from "../ui/dom";
+import { make, makeButton } from "../ui/dom";
 import { ProgressBar } from "../progress/progressBar";
 import { timeLeft } from "../ui/words";
 
@@ -47,11 +47,8 @@ function dialogFor(name: string, bar: ProgressBar, line: HTMLElement): HTMLDialo
   const title = make("h2", name);
   title.id = "sending-heading";
   dialog.setAttribute("aria-labelledby", title.id);
-  const cancel = make("button", "Cancel");
-  cancel.type = "button";
-  cancel.addEventListener("click", () => dialog.close());
   const foot = make("footer");
-  foot.append(cancel);
+  foot.append(makeButton("Cancel", () => dialog.close()));
   dialog.append(title, bar.root, line, foot);
   document.body.append(dialog);
   return dialog;

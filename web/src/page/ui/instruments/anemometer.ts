@@ -1,6 +1,6 @@
 /** The anemometer: its position, its measurements and their plots. */
 import type { WindField } from "galewood/wind";
-import { make } from "../dom";
+import { make, makeButton } from "../dom";
 import type { Plots } from "./plots";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "./recorder";
 
@@ -21,9 +21,7 @@ export class Anemometer {
   private plotted_ms = 0;
 
   constructor(remove: () => void) {
-    const close = make("button", "Remove");
-    close.type = "button";
-    close.addEventListener("click", remove);
+    const close = makeButton("Remove", remove);
     this.element.append(make("h3", "Anemometer"), this.reading, this.paper, close);
     this.element.hidden = true;
   }

@@ -1,6 +1,6 @@
 /** Wind model, gust sliders and seed. */
 import { FIELDS, hasField, MODELS, type WindDocument, type WindModel, type WindNumber } from "galewood/wind";
-import { make } from "../dom";
+import { make, makeButton } from "../dom";
 import { withModel } from "./windEditing";
 
 const MODEL_NAMES: Record<WindModel, string> = {
@@ -79,12 +79,10 @@ export class WindControls {
     });
     this.element.append(labelled("Wind model", this.model));
     this.rows = SLIDERS.map((slider) => this.makeRow(slider));
-    const seed = make("button", "New random gusts");
-    seed.type = "button";
-    seed.title = "Same wind with different gusts (new seed)";
-    seed.addEventListener("click", () => {
+    const seed = makeButton("New random gusts", () => {
       current.wind = { ...current.wind, seed: Math.floor(Math.random() * 10_000) };
     });
+    seed.title = "Same wind with different gusts (new seed)";
     this.element.append(seed);
   }
 

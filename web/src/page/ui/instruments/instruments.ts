@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals-core";
 import { PRESETS, type PresetName, type WindDocument, withMean } from "galewood/wind";
-import { element, make } from "../dom";
+import { element, make, makeButton, write } from "../dom";
 import { Anemometer } from "./anemometer";
 import { windInWords } from "./beaufort";
 import { WindControls } from "./controls";
@@ -75,9 +75,7 @@ export class Instruments {
   }
 
   private presetButton(name: PresetName) {
-    const button = make("button", PRESET_NAMES[name]);
-    button.type = "button";
-    button.addEventListener("click", () => {
+    const button = makeButton(PRESET_NAMES[name], () => {
       this.wind = presetAt(name, this.wind.direction_deg);
     });
     return { name, button };
@@ -85,13 +83,10 @@ export class Instruments {
 
   private details(): HTMLElement {
     const details = make("details");
-    const save = make("button", "Download wind");
-    const load = make("button", "Load wind…");
-    load.title = "A wind document (JSON), or the record of an anemometer (CSV)";
-    save.type = load.type = "button";
+    const save = makeButton("Download wind", () => saveWind(this.wind));
     const input = windFileInput((file) => this.events.file(file));
-    save.addEventListener("click", () => saveWind(this.wind));
-    load.addEventListener("click", () => input.click());
+    const load = makeButton("Load wind…", () => input.click());
+    load.title = "A wind document (JSON), or the record of an anemometer (CSV)";
     details.append(
       make("summary", "Gust settings"),
       this.controls.element,
@@ -103,8 +98,7 @@ export class Instruments {
 
   private showWind(): void {
     const { wind } = this;
-    const words = windInWords(wind.mean_speed_m_s, wind.direction_deg);
-    if (this.words.textContent !== words) this.words.textContent = words;
+    write(this.words, windInWords(wind.mean_speed_m_s, wind.direction_deg));
     this.controls.show();
     const current = presetOf(wind);
     for (const { name, button } of this.presets)
@@ -122,7 +116,7 @@ export class Instruments {
       share >= 0.995
         ? "All trees are within the sampled range of winds."
         : `${Math.round(100 * share)} % of the trees are within the sampled range of winds; the others bend as in the strongest sampled wind.`;
-    if (this.coverage.textContent !== words) this.coverage.textContent = words;
+    write(this.coverage, words);
   }
 
   anemometerPlaced(): void {

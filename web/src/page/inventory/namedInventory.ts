@@ -1,0 +1,47 @@
+/** An inventory and the name of its file: how it is loaded from an address, and what is said of it. */
+
+import { type Inventory, SCALES } from "galewood/inventory";
+import { fetchApi, Problem } from "../server/api";
+import { showReport } from "../ui/reportDialog";
+
+export interface NamedInventory extends Inventory {
+  readonly name: string;
+  /** The species in it, in lower case. */
+  readonly names: ReadonlySet<string>;
+}
+
+export const namedInventory = (inventory: Inventory, name: string): NamedInventory => ({
+  ...inventory,
+  name,
+  names: new Set(inventory.stems.map(({ species }) => species.trim().toLowerCase())),
+});
+
+/** Loads the inventory document of an address of this server. Throws a Problem. */
+export async function loadInventory(address: string): Promise<NamedInventory> {
+  const url = new URL(address, document.baseURI);
+  if (url.origin !== location.origin) {
+    throw new Problem(
+      "The inventory could not be read.",
+      "The address must belong to this server; drop the file on the page instead.",
+    );
+  }
+  const response = await fetchApi(url.href);
+  const { inventoryFrom } = await import("../files/content");
+  const real = /filename="([^"]+)"/.exec(response.headers.get("content-disposition") ?? "");
+  const name = real?.[1] ?? url.pathname.replace(/^.*\//, "");
+  return namedInventory(inventoryFrom(await response.text()), name);
+}
+
+/** Shows what was understood. */
+export function showInventory({ name, stems, report }: NamedInventory): void {
+  showReport({
+    heading: "Forest from an inventory",
+    file: name,
+    figures: Object.entries(report?.figures ?? { Trees: String(stems.length) }),
+    notes: [
+      "Trees are scaled to their height; trunk diameter scales with it." +
+        ` Sizes are limited to ${SCALES.least} to ${SCALES.most} times that of the tree model.`,
+      ...(report?.notes ?? []),
+    ],
+  });
+}
