@@ -130,7 +130,8 @@ def test_derived_constants_follow_from_the_others() -> None:
     density, speed_m_s = constants.HALF_AIR_DENSITY_KG_M3, constants.STREAMLINING_SPEED_M_S
     assert density * speed_m_s**2 == constants.STREAMLINING_PRESSURE_PA
     assert 2.0 * math.pi / 2**32 == constants.HASH_TURN_RAD
-    assert 4.0 / 3.0 == constants.ISOTROPIC_DRAG
+    isotropic = constants.ISOTROPIC_DRAG
+    assert isotropic == 4.0 / 3.0
     beta = constants.WIND_FIELDS["beta"]["default"]
     assert beta == 5.0 / 3.0
     assert (constants.HASH_GOLDEN, constants.HASH_FACTOR) == (0x9E3779B9, 0x45D9F3B)
