@@ -40,7 +40,10 @@ def figures(height_m: float = 10.0, **model: Any) -> dict[str, Any]:
         "sway": {"main_mode": 1, "main_frequency_hz": 0.5},
         **model,
     }
-    return figures_of(tree, mesh, cone(height_m), lumped, SimpleNamespace(report=report))  # type: ignore[arg-type]
+    made: Any = SimpleNamespace(
+        tets=mesh, skeleton=cone(height_m), lumped=lumped, fem=SimpleNamespace(report=report)
+    )
+    return figures_of(tree, made)
 
 
 def test_the_diameter_is_that_of_the_trunk_at_breast_height() -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.skinning import node_pose
+from galewood.skinning import Pose, joint_pose, node_pose, sine_and_cosine
 from galewood.table import Table
 from galewood.util import Floats, Ints
 
@@ -20,13 +21,11 @@ class RigidMotion:
 
 
 def quaternions(turn: Floats) -> Floats:
-    """(…, 4) the rotations that are drawn for rotation vectors (…, 3) of the table (``node_pose.turned``).
+    """(…, 4) the rotations that are drawn for rotation vectors (…, 3) of the table.
 
-    The sine of the angle is |ω| (1 + |ω|⁴)^(−1/4) ≤ 1, so that the cosine is at least 0 and w at least 0.7.
+    The cosine of their angle is at least 0, so w is at least 0.7.
     """
-    squared = np.square(turn).sum(axis=-1, keepdims=True)
-    sine_axis = turn / np.sqrt(np.sqrt(1.0 + squared * squared))
-    cosine = np.sqrt(np.maximum(1.0 - np.square(sine_axis).sum(axis=-1, keepdims=True), 0.0))
+    sine_axis, cosine = sine_and_cosine(turn)
     half_cosine = np.sqrt(0.5 * (1.0 + cosine))
     return np.concatenate([sine_axis / (2.0 * half_cosine), half_cosine], axis=-1)
 
@@ -39,21 +38,17 @@ def rotated(rotation: Floats, arm: Floats) -> Floats:
 
 def node_motion(table: Table, q: Floats) -> RigidMotion:
     """Motion of the nodes at the poses q (T, r)."""
-    poses = [node_pose(table, row) for row in q]
-    moved = np.stack([pose.moved_m for pose in poses])
-    return RigidMotion(moved, quaternions(np.stack([pose.turned for pose in poses])))
+    return _motion([node_pose(table, row) for row in q])
 
 
 def joint_motion(table: Table, q: Floats) -> RigidMotion:
     """Motion of the joints at the poses q (T, r)."""
-    first, second = table.joint_nodes.astype(np.int64).T
-    share = table.joint_share.astype(np.float64)[:, None]
-    moved, turn = [], []
-    for row in q:
-        pose = node_pose(table, row)
-        moved.append((1 - share) * pose.moved_m[first] + share * pose.moved_m[second])
-        turn.append((1 - share) * pose.turned[first] + share * pose.turned[second])
-    return RigidMotion(np.stack(moved), quaternions(np.stack(turn)))
+    return _motion([joint_pose(table, row) for row in q])
+
+
+def _motion(poses: Sequence[Pose]) -> RigidMotion:
+    moved = np.stack([pose.moved_m for pose in poses])
+    return RigidMotion(moved, quaternions(np.stack([pose.turned for pose in poses])))
 
 
 def joint_of_vertex(table: Table) -> Ints:

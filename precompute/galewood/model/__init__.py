@@ -11,7 +11,7 @@ from galewood.model.effective_mass import (
     participation_factors,
 )
 from galewood.model.foliage import LumpedMasses, bind_foliage
-from galewood.model.from_tree import tree_model
+from galewood.model.from_tree import TreeModel, tree_model
 from galewood.model.reference import compare_with_reference, reference_model
 from galewood.model.typical_frequency import typical_frequency_hz
 
@@ -22,6 +22,7 @@ __all__ = [
     "LumpedMassesLike",
     "MeshLike",
     "SkeletonLike",
+    "TreeModel",
     "beam_model",
     "bind_foliage",
     "build_model",

@@ -11,7 +11,14 @@ from typing import Any
 
 from galewood.fem import FemModel, Simulator
 from galewood.mesh import TreeMesh, import_mesh_sandboxed
-from galewood.model import LumpedMasses, bind_foliage, build_model, compare_with_reference, in_added_wood
+from galewood.model import (
+    LumpedMasses,
+    TreeModel,
+    bind_foliage,
+    build_model,
+    compare_with_reference,
+    in_added_wood,
+)
 from galewood.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.assemble import DefaultPart
@@ -115,6 +122,10 @@ class Solid:
     points: Array
     """Vertices at which the paper's states are recorded."""
 
+    def with_model(self, model: FemModel) -> TreeModel:
+        """A model that was built from it, with what it was made from."""
+        return TreeModel(self.wood, self.mesh, self.skeleton, self.lumped, model)
+
 
 def _workers(runner: TrajectoryRunner | None) -> WorkerPool:
     """Worker processes: one per core, or a single one if the training runs are simulated elsewhere."""
@@ -138,7 +149,7 @@ def _build(
     artefacts.publish("first.table", lambda: encode(builder.first(samples)))
     run = on.runner or partial(run_in_processes, pool=pool)
     default = _default(builder, samples, run, artefacts, stages)
-    report = partial(build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table)
+    report = partial(build_report, tree, solid.with_model(model), wind, default.table)
     result = BuildResult(
         encode(default.table),
         None,
@@ -258,9 +269,8 @@ def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: 
     simulate(samples, run, lambda share: on.stages.report(0.7 * share), lambda: None)
     further = partial(samples.further_runs, run, lambda share: on.stages.report(0.7 + 0.2 * share, FURTHER))
     table = bare.default(samples, further).table
-    report = build_report(
-        solid.tree, solid.mesh, solid.skeleton, lumped, model, wind, table, None, None, on.stages
-    )
+    made = replace(solid, lumped=lumped).with_model(model)
+    report = build_report(solid.tree, made, wind, table, None, None, on.stages)
     return BareTable(encode(table), {name: report[name] for name in BARE_REPORT_KEYS})
 
 

@@ -11,13 +11,11 @@ import numpy as np
 
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
-from galewood.model import LumpedMasses
+from galewood.model import TreeModel
 from galewood.pipeline.options import BuildOptions, Stages
 from galewood.pipeline.tree_figures import figures_of
 from galewood.sampling import DesignWind, content_hash
-from galewood.skeleton import Skeleton
 from galewood.table import Metadata, Records, Table
-from galewood.tets import TetMesh
 
 
 @dataclass(frozen=True)
@@ -66,10 +64,7 @@ def describe(
 
 def build_report(
     tree: TreeMesh,
-    mesh: TetMesh,
-    skeleton: Skeleton,
-    lumped: LumpedMasses,
-    model: FemModel,
+    made: TreeModel,
     wind: DesignWind,
     table: Table,
     records: Records | None,
@@ -79,11 +74,11 @@ def build_report(
     """JSON-able report of all assumptions and measurements of a build, by stage."""
     return {
         "import": tree.report,
-        "tree": figures_of(tree, mesh, skeleton, lumped, model),
-        "meshing": mesh.report,
-        "skeleton": skeleton.report,
-        "foliage": lumped.report,
-        "model": model.report | ({"reference": reference} if reference else {}),
+        "tree": figures_of(tree, made),
+        "meshing": made.tets.report,
+        "skeleton": made.skeleton.report,
+        "foliage": made.lumped.report,
+        "model": made.fem.report | ({"reference": reference} if reference else {}),
         "design_wind": asdict(wind),
         "table": {
             **{name: table.metadata[name] for name in ("modes", "errors")},

@@ -7,26 +7,23 @@ from typing import Any
 import numpy as np
 
 from galewood.constants import BREAST_HEIGHT_M
-from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
-from galewood.model import LumpedMasses
+from galewood.model import TreeModel
 from galewood.skeleton import Skeleton
 from galewood.tets import TetMesh, tet_volumes
 
 
-def figures_of(
-    tree: TreeMesh, mesh: TetMesh, skeleton: Skeleton, lumped: LumpedMasses, model: FemModel
-) -> dict[str, Any]:
+def figures_of(tree: TreeMesh, made: TreeModel) -> dict[str, Any]:
     """Size, masses and frequencies of a tree; None: it has none.
 
     The diameter is that of the skeleton's trunk 1.3 m above the lowest point of the wood.
     """
-    crown, of_model = lumped.report, model.report
+    mesh, crown, of_model = made.tets, made.lumped.report, made.fem.report
     bare = of_model.get("bare", {})
     twigs = crown.get("twig_mass_kg", 0.0) + crown.get("added_twig_mass_kg", 0.0)
     return {
         "height_m": tree.height_m,
-        "dbh_cm": _diameter_cm(mesh, skeleton),
+        "dbh_cm": _diameter_cm(mesh, made.skeleton),
         "wood_volume_m3": float((tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum()),
         "wood_mass_kg": of_model["wood_mass_kg"],
         "twig_mass_kg": twigs,

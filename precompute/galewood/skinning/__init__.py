@@ -19,7 +19,15 @@ The pose is cheap to import; all other names are loaded when they are first used
 
 from typing import TYPE_CHECKING
 
-from galewood.skinning.node_pose import drawn_positions, joint_rows, node_pose, vertex_rows
+from galewood.skinning.node_pose import (
+    Pose,
+    drawn_positions,
+    joint_pose,
+    joint_rows,
+    node_pose,
+    sine_and_cosine,
+    vertex_rows,
+)
 from galewood.util import lazily
 
 if TYPE_CHECKING:
@@ -67,12 +75,14 @@ __all__ = [
     "Bindings",
     "Distortion",
     "MotionSamples",
+    "Pose",
     "Skin",
     "axis_of_frame",
     "axis_of_tets",
     "distortion_line",
     "drawn_positions",
     "edge_samples",
+    "joint_pose",
     "joint_rows",
     "leading_vertices",
     "make_skin",
@@ -80,6 +90,7 @@ __all__ = [
     "node_pose",
     "points_embedding",
     "render_embedding",
+    "sine_and_cosine",
     "smoothed_bindings",
     "vertex_bindings",
     "vertex_rows",

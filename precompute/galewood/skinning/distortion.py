@@ -17,7 +17,7 @@ from galewood.util import Floats, Ints
 
 FIGURE_SWAY = 0.2
 """Displacement of the top over the height at which the figures are taken."""
-HEADINGS = 8
+HEADING_COUNT = 8
 SHORTEST_EDGE = 1e-6
 """Relative to the height; shorter edges are not measured."""
 TYPICAL_PERCENTILE, WORST_PERCENTILE = 99.9, 100.0
@@ -37,9 +37,9 @@ def farthest_poses(q: Floats, top: Floats, sway_m: float) -> Floats:
     """
     moved = q @ top.T
     sway = np.linalg.norm(moved, axis=1)
-    heading = np.floor((np.arctan2(moved[:, 2], moved[:, 0]) / (2 * np.pi) + 1) * HEADINGS) % HEADINGS
+    heading = np.floor((np.arctan2(moved[:, 2], moved[:, 0]) / (2 * np.pi) + 1) * HEADING_COUNT) % HEADING_COUNT
     poses: list[Floats] = [np.zeros((0, q.shape[1]))]
-    for number in range(HEADINGS):
+    for number in range(HEADING_COUNT):
         own = np.flatnonzero((heading == number) & (sway > 1e-9))
         if len(own):
             far = int(own[sway[own].argmax()])

@@ -45,8 +45,8 @@ class SkinLike(Protocol):
 
 
 @dataclass(frozen=True)
-class NodePose:
-    """Displacement (n, 3), m, and rotation vectors (n, 3) of the nodes in one pose.
+class Pose:
+    """Displacement (n, 3), m, and rotation vectors (n, 3) of nodes or joints.
 
     The length of a rotation vector is the sine of the angle while it is small (``turned``).
     """
@@ -55,12 +55,23 @@ class NodePose:
     turned: Floats
 
 
-def node_pose(skin: SkinLike, q: npt.ArrayLike, factor: float = 1.0) -> NodePose:
+def node_pose(skin: SkinLike, q: npt.ArrayLike, factor: float = 1.0) -> Pose:
     """The nodes at the coordinates q (r,), with all displacements multiplied by ``factor``."""
     wide = factor * np.asarray(q, np.float64)
     rest = skin.node_rest_m.astype(np.float64)
     moved, stretch = limit_stretch(rest, skin.node_parent.astype(np.int64), skin.node_basis @ wide)
-    return NodePose(moved, (skin.node_turn @ wide) / stretch[:, None])
+    return Pose(moved, (skin.node_turn @ wide) / stretch[:, None])
+
+
+def joint_pose(skin: SkinLike, q: npt.ArrayLike, factor: float = 1.0) -> Pose:
+    """The joints, each blended from its two nodes, as in ``node_pose``."""
+    nodes = node_pose(skin, q, factor)
+    first, second = skin.joint_nodes.astype(np.int64).T
+    share = skin.joint_share.astype(np.float64)[:, None]
+    return Pose(
+        (1 - share) * nodes.moved_m[first] + share * nodes.moved_m[second],
+        (1 - share) * nodes.turned[first] + share * nodes.turned[second],
+    )
 
 
 def limit_stretch(rest_m: Floats, parent: Ints, moved_m: Floats) -> tuple[Floats, Floats]:
@@ -81,29 +92,30 @@ def limit_stretch(rest_m: Floats, parent: Ints, moved_m: Floats) -> tuple[Floats
     return moved_m - excess, stretch
 
 
-def turned(arm_m: Floats, rotation: Floats) -> Floats:
-    """Arms (…, 3) turned by rotation vectors (…, 3).
+def sine_and_cosine(rotation: Floats) -> tuple[Floats, Floats]:
+    """Axis times sine (…, 3), and cosine (…, 1), of the angles that are drawn for rotation vectors (…, 3).
 
-    The vector is half the curl of the displacement over the stretch of the link: the sine of the angle. The
-    sine that is drawn never exceeds 1.
+    A vector is half the curl of the displacement over the stretch of the link: the sine of the angle. The
+    sine that is drawn, |ω| (1 + |ω|⁴)^(−1/4), never exceeds 1.
     """
     squared = np.square(rotation).sum(axis=-1, keepdims=True)
     axis = rotation / np.sqrt(np.sqrt(1.0 + squared * squared))
-    cosine = np.sqrt(np.maximum(1.0 - np.square(axis).sum(axis=-1, keepdims=True), 0.0))
+    return axis, np.sqrt(np.maximum(1.0 - np.square(axis).sum(axis=-1, keepdims=True), 0.0))
+
+
+def turned(arm_m: Floats, rotation: Floats) -> Floats:
+    """Arms (…, 3) turned by rotation vectors (…, 3)."""
+    axis, cosine = sine_and_cosine(rotation)
     along = (axis * arm_m).sum(axis=-1, keepdims=True) / (1.0 + cosine)
     return arm_m * cosine + np.cross(axis, arm_m) + axis * along
 
 
 def drawn_positions(skin: SkinLike, rest_m: Floats, q: npt.ArrayLike, factor: float = 1.0) -> Floats:
     """(v, 3) where the vertices ``rest_m`` (v, 3) of the bind pose are drawn in the pose q (r,)."""
-    pose = node_pose(skin, q, factor)
+    pose = joint_pose(skin, q, factor)
     joint = skin.vertex_joint.astype(np.int64)
-    first, second = skin.joint_nodes.astype(np.int64).T
-    share = skin.joint_share.astype(np.float64)[:, None]
     place = skin.joint_rest_m.astype(np.float64)
-    moved = (1 - share) * pose.moved_m[first] + share * pose.moved_m[second]
-    turn = (1 - share) * pose.turned[first] + share * pose.turned[second]
-    return (place + moved)[joint] + turned(rest_m - place[joint], turn[joint])
+    return (place + pose.moved_m)[joint] + turned(rest_m - place[joint], pose.turned[joint])
 
 
 def joint_rows(skin: SkinLike, rows: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:

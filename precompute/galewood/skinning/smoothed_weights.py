@@ -42,7 +42,7 @@ LEAST_GAIN = 1e-4
 TORN_STRETCH, SMALL_PIECE = 1.1, 0.06
 """A piece smaller than this, relative to the extent, is bound to one place if it is still stretched so."""
 RELAXATION_SEED = 20
-TRIES, FEW_EDGES = 3, 1500
+MAX_TRIES, FEW_EDGES = 3, 1500
 """A mesh of few edges is tried several times, in other orders: the best is taken."""
 SHORTEST_EDGE = 1e-6
 """Relative to the extent; shorter edges are not measured."""
@@ -78,7 +78,7 @@ def smoothed_weights(
 
     Some vertices ``fixed`` (k,) keep their bindings, such as those of a frond that touch the trunk.
     """
-    tries = TRIES if len(welded.ends) < FEW_EDGES else 1
+    tries = MAX_TRIES if len(welded.ends) < FEW_EDGES else 1
     paths, is_fixed = axis_paths(axis), np.zeros(len(welded.place_m), bool)
     is_fixed[fixed if fixed is not None else []] = True
     found = [
