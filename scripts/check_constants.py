@@ -13,9 +13,9 @@ from typing import cast
 
 from scripts.write_constants import ROOT, SOURCE, generated, read_groups
 
-SEARCHED = (("precompute", ".py"), ("server", ".py"), ("web", ".ts"))
+SEARCHED_FOLDERS = (("precompute", ".py"), ("server", ".py"), ("web", ".ts"))
 """Folders in which no shared constant is typed, and the ending of their modules."""
-BUILT = {"node_modules", "dist", "__pycache__"}
+BUILT_FOLDERS = {"node_modules", "dist", "__pycache__"}
 COINCIDENCES: Mapping[str, str] = {"VERSION": "of the format that the module writes"}
 """Names that mean different things in both languages though they have the same value, and what they mean."""
 
@@ -67,9 +67,9 @@ def _used_once(shared: list[str], modules: Mapping[str, str]) -> Iterator[str]:
 def _modules(root: Path) -> dict[str, str]:
     """The text of every module in the searched folders by its path."""
     found: dict[str, str] = {}
-    for folder, ending in SEARCHED:
+    for folder, ending in SEARCHED_FOLDERS:
         for parent, folders, names in os.walk(root / folder):
-            folders[:] = sorted(set(folders) - BUILT)
+            folders[:] = sorted(set(folders) - BUILT_FOLDERS)
             for path in (Path(parent, name) for name in sorted(names) if name.endswith(ending)):
                 found[path.relative_to(root).as_posix()] = path.read_text(encoding="utf-8")
     return found

@@ -18,7 +18,7 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROOTS = ("precompute", "server", "scripts", "tests", "tools", "spec", "docs", "web")
-SKIPPED = {"node_modules", "dist", "__pycache__", "results"}
+SKIPPED_FOLDERS = {"node_modules", "dist", "__pycache__", "results"}
 SUFFIXES = {".py", ".ts", ".tsx", ".js", ".mjs"}
 PYTHON_SCRIPT = b"#!/usr/bin/env python3"
 """First line of a script without a suffix."""
@@ -36,7 +36,7 @@ def sources(root: Path) -> Iterator[Path]:
     """The source files below the folders of the project, without what is installed or built there."""
     for name in ROOTS:
         for folder, folders, files in os.walk(root / name):
-            folders[:] = sorted(set(folders) - SKIPPED)
+            folders[:] = sorted(set(folders) - SKIPPED_FOLDERS)
             paths = [Path(folder, file) for file in sorted(files)]
             yield from (path for path in paths if path.suffix in SUFFIXES or _is_python(path))
 

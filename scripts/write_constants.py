@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, cast
 
 ROOT = Path(__file__).resolve().parents[1]
-SOURCE = "spec/constants.json"
+SOURCE_FILE = "spec/constants.json"
 LINE_WIDTH = 110
-ABOUT = f"Constants that Python and TypeScript share, written from {SOURCE} by `make constants`."
-NAME = re.compile(r"[A-Z0-9]+(_[A-Z0-9]+)+")
+ABOUT_TEXT = f"Constants that Python and TypeScript share, written from {SOURCE_FILE} by `make constants`."
+NAME_PATTERN = re.compile(r"[A-Z0-9]+(_[A-Z0-9]+)+")
 """Names of one word say too little outside of the module that they were made for."""
 
 Entry = Mapping[str, Any]
@@ -40,17 +40,17 @@ class Language:
     """Whether 1 and 1.0 are the same."""
 
 
-PYTHON = Language("#", 4, ("(", ")"), "", whole_numbers=False)
-TYPESCRIPT = Language("//", 2, ("[", "]"), " ", whole_numbers=True)
+PYTHON_SYNTAX = Language("#", 4, ("(", ")"), "", whole_numbers=False)
+TYPESCRIPT_SYNTAX = Language("//", 2, ("[", "]"), " ", whole_numbers=True)
 
 
 def read_groups(root: Path) -> Groups:
     """The constants by group and name. Raises ValueError for a name of one word or one that comes twice."""
-    groups = cast(Groups, json.loads((root / SOURCE).read_text(encoding="utf-8")))
+    groups = cast(Groups, json.loads((root / SOURCE_FILE).read_text(encoding="utf-8")))
     names = [name for group in groups.values() for name in group]
-    wrong = {name for name in names if names.count(name) > 1 or not NAME.fullmatch(name)}
+    wrong = {name for name in names if names.count(name) > 1 or not NAME_PATTERN.fullmatch(name)}
     if wrong:
-        raise ValueError(f"{SOURCE}: twice, or of one word: {', '.join(sorted(wrong))}")
+        raise ValueError(f"{SOURCE_FILE}: twice, or of one word: {', '.join(sorted(wrong))}")
     return groups
 
 
@@ -66,19 +66,19 @@ def generated(root: Path) -> dict[str, str]:
 
 
 def _python_module(groups: Groups) -> str:
-    head = f'"""{ABOUT}"""\n\nfrom __future__ import annotations\n\n'
+    head = f'"""{ABOUT_TEXT}"""\n\nfrom __future__ import annotations\n\n'
     head += "from collections.abc import Mapping\nfrom typing import Any\n"
     return head + "".join(
-        _title(title, PYTHON) + "".join(_python_constant(name, entry) for name, entry in group.items())
+        _title(title, PYTHON_SYNTAX) + "".join(_python_constant(name, entry) for name, entry in group.items())
         for title, group in groups.items()
     )
 
 
 def _typescript_module(groups: Groups, wanted: Callable[[Entry], bool], kind: str = "") -> str:
-    text = _comment(ABOUT)
+    text = _comment(ABOUT_TEXT)
     for title, group in groups.items():
         chosen = [_typescript_constant(name, entry, kind) for name, entry in group.items() if wanted(entry)]
-        text += _title(title, TYPESCRIPT) + "".join(chosen) if chosen else ""
+        text += _title(title, TYPESCRIPT_SYNTAX) + "".join(chosen) if chosen else ""
     return text
 
 
@@ -91,13 +91,13 @@ def _python_constant(name: str, entry: Entry) -> str:
     said = _said(entry)
     if len(said) + 6 > LINE_WIDTH:
         said = textwrap.fill(said, LINE_WIDTH - 3) + "\n"
-    return f'{declared}{laid_out(entry["value"], PYTHON, len(declared))}\n"""{said}"""\n'
+    return f'{declared}{laid_out(entry["value"], PYTHON_SYNTAX, len(declared))}\n"""{said}"""\n'
 
 
 def _typescript_constant(name: str, entry: Entry, kind: str) -> str:
     declared = f"export const {name}{f': {kind}' if kind else ''} = "
     end = " as const;" if isinstance(entry["value"], list | dict) else ";"
-    value = laid_out(entry["value"], TYPESCRIPT, len(declared + end))
+    value = laid_out(entry["value"], TYPESCRIPT_SYNTAX, len(declared + end))
     return f"{_comment(_said(entry))}{declared}{value}{end}\n"
 
 
@@ -137,19 +137,25 @@ def _on_one_line(value: Value, language: Language) -> str:
     if isinstance(value, float):
         return _number(value, language)
     if not isinstance(value, list | dict):
-        return str(value) if value is True and language is PYTHON else json.dumps(value, ensure_ascii=False)
+        return (
+            str(value)
+            if value is True and language is PYTHON_SYNTAX
+            else json.dumps(value, ensure_ascii=False)
+        )
     parts = ", ".join(key + _on_one_line(part, language) for key, part in _parts(value, language))
     if isinstance(value, dict):
         return f"{{{language.brace}{parts}{language.brace}}}"
     first, last = language.brackets
-    return first + parts + ("," if len(value) == 1 and language is PYTHON else "") + last
+    return first + parts + ("," if len(value) == 1 and language is PYTHON_SYNTAX else "") + last
 
 
 def _parts(value: list[Any] | dict[str, Any], language: Language) -> list[tuple[str, Any]]:
     """The elements of a collection, each with the text before it."""
     if isinstance(value, list):
         return [("", part) for part in value]
-    quoted = {key: key if language is TYPESCRIPT and key.isidentifier() else f'"{key}"' for key in value}
+    quoted = {
+        key: key if language is TYPESCRIPT_SYNTAX and key.isidentifier() else f'"{key}"' for key in value
+    }
     return [(f"{quoted[key]}: ", part) for key, part in value.items()]
 
 

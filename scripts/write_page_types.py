@@ -17,13 +17,21 @@ from typing import Any
 from galewood_server.app import create_app
 from galewood_server.settings import Settings
 
-TARGET = Path(__file__).resolve().parents[1] / "web/src/page/server/schema.ts"
+TARGET_FILE = Path(__file__).resolve().parents[1] / "web/src/page/server/schema.ts"
 LINE_WIDTH = 110
-INDENT = "  "
-HEAD = "/** Types and limits of the REST interface, from its OpenAPI description by `make page-types`. */"
-LIMITED = "TreeChanges"
+INDENT_TEXT = "  "
+HEAD_COMMENT = (
+    "/** Types and limits of the REST interface, from its OpenAPI description by `make page-types`. */"
+)
+LIMITED_SCHEMA = "TreeChanges"
 """The schema of the import options, whose limits the dialogs use."""
-PLAIN = {"string": "string", "number": "number", "integer": "number", "boolean": "boolean", "null": "null"}
+PLAIN_TYPES = {
+    "string": "string",
+    "number": "number",
+    "integer": "number",
+    "boolean": "boolean",
+    "null": "null",
+}
 Schema = dict[str, Any]
 
 
@@ -36,12 +44,12 @@ def document() -> Schema:
 def generated(openapi: Schema) -> str:
     """The text of the module. ValueError for a schema that has no type in TypeScript here."""
     schemas: dict[str, Schema] = openapi["components"]["schemas"]
-    lines = [HEAD, "", "export interface Schemas {"]
+    lines = [HEAD_COMMENT, "", "export interface Schemas {"]
     for name, schema in schemas.items():
-        lines += _member(name, schema, required=True, indent=INDENT)
+        lines += _member(name, schema, required=True, indent=INDENT_TEXT)
     limits = [
-        f"{INDENT}{name}: {{ min: {low:g}, max: {high:g} }},"
-        for name, (low, high) in _limits(schemas[LIMITED]).items()
+        f"{INDENT_TEXT}{name}: {{ min: {low:g}, max: {high:g} }},"
+        for name, (low, high) in _limits(schemas[LIMITED_SCHEMA]).items()
     ]
     head = ["/** Smallest and largest values of the import options that are numbers. */"]
     lines += ["}", "", *head, "export const IMPORT_LIMITS = {", *limits, "} as const;"]
@@ -55,7 +63,7 @@ def _member(name: str, schema: Schema, required: bool, indent: str) -> list[str]
     kind = _type(schema, indent)
     line = f"{indent}{key}{mark}: {kind};"
     if len(line.split("\n", 1)[0]) > LINE_WIDTH:
-        parts = [f"{indent}{INDENT}| {one}" for one in _alternatives(schema, indent)]
+        parts = [f"{indent}{INDENT_TEXT}| {one}" for one in _alternatives(schema, indent)]
         line = f"{indent}{key}{mark}:\n" + "\n".join(parts) + ";"
     return [*lines, line]
 
@@ -95,14 +103,14 @@ def _alternatives(schema: Schema, indent: str) -> list[str]:
             rows = [
                 row
                 for name, one in properties.items()
-                for row in _member(name, one, name in needed, indent + INDENT)
+                for row in _member(name, one, name in needed, indent + INDENT_TEXT)
             ]
             return ["{\n" + "\n".join(rows) + f"\n{indent}}}"]
         case {"type": "object"}:
             values = schema.get("additionalProperties")
             return [f"Record<string, {_type(values, indent) if isinstance(values, dict) else 'unknown'}>"]
-        case {"type": str(kind)} if kind in PLAIN:
-            return [PLAIN[kind]]
+        case {"type": str(kind)} if kind in PLAIN_TYPES:
+            return [PLAIN_TYPES[kind]]
         case _ if not schema.keys() - {"title", "description", "default"}:
             return ["unknown"]
         case _:
@@ -123,9 +131,9 @@ def main() -> None:
     """Write or check the file."""
     text = generated(document())
     if "--check" not in sys.argv:
-        TARGET.write_text(text, encoding="utf-8")
-    elif TARGET.read_text(encoding="utf-8") != text:
-        sys.exit(f"{TARGET} is not what the service describes: run `make page-types`")
+        TARGET_FILE.write_text(text, encoding="utf-8")
+    elif TARGET_FILE.read_text(encoding="utf-8") != text:
+        sys.exit(f"{TARGET_FILE} is not what the service describes: run `make page-types`")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 from galewood.inventory import InventoryError, Stem, local_m, match_species, read_inventory
-from galewood.inventory.species import COMMON, STANDS_FOR
+from galewood.inventory.species import COMMON_NAMES, STANDS_FOR
 
 ROOT = Path(__file__).parents[2]
 SPHERE_M = 6_371_008.8
@@ -271,7 +271,7 @@ def test_names_of_species(name: str, builtin: str, genus: str) -> None:
 def test_every_known_name_is_found_also_with_a_capital() -> None:
     for genus, builtin in STANDS_FOR.items():
         assert match_species(f"{genus.capitalize()} spec.", 10.0).builtin == builtin
-    for name, genus in COMMON.items():
+    for name, genus in COMMON_NAMES.items():
         assert match_species(name.capitalize(), 10.0).genus == genus, name
 
 

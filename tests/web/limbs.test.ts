@@ -5,7 +5,7 @@ import { readGlb } from "../../web/scripts/species/glb";
 import { hasLot, lotsOf } from "../../web/src/scene/treeModel/limbLots";
 import { COMMON_LOT, MISSING_BRANCH_SHARE } from "../../web/player/src/trees/lotShader";
 import { bareShoots } from "../../web/src/scene/treeModel/bareShoots";
-import { limbsOf, type PartGeometry, STEM } from "../../web/player/src/trees/mesh/limbs";
+import { limbsOf, type PartGeometry, STEM_LIMB } from "../../web/player/src/trees/mesh/limbs";
 import { connectedComponents, weldedComponents } from "../../web/player/src/trees/mesh/components";
 import { random } from "./golden";
 
@@ -43,8 +43,8 @@ function truth({ parent, branch, level }: Skeleton): Map<number, number> {
   branch.forEach((id, node) => {
     if (limb.has(id)) return;
     const below = parent[node];
-    if (level[node] === 0) limb.set(id, STEM);
-    else limb.set(id, level[node] === 1 ? id : (limb.get(branch[below]) ?? STEM));
+    if (level[node] === 0) limb.set(id, STEM_LIMB);
+    else limb.set(id, level[node] === 1 ? id : (limb.get(branch[below]) ?? STEM_LIMB));
   });
   return limb;
 }

@@ -40,7 +40,7 @@ _SYNONYMS = {
     "metres": "m",
 }
 HEADER_WITHIN = 50
-NEEDED = (
+NEEDED_COLUMNS = (
     "no column names were found. Needed are 'x' and 'y' (m) or 'lon' and 'lat', and 'height' (m) "
     "or 'dbh' (cm); 'species' is useful"
 )
@@ -70,7 +70,7 @@ def find_header(rows: list[Row]) -> tuple[Columns, int]:
         columns = columns_of(row)
         if columns is not None:
             return columns, k + 1
-    raise InventoryError(NEEDED)
+    raise InventoryError(NEEDED_COLUMNS)
 
 
 def is_inventory(rows: list[Row]) -> bool:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-EQUATOR_M, FLATTENING = 6_378_137.0, 1.0 / 298.257223563
+EQUATOR_M, WGS84_FLATTENING = 6_378_137.0, 1.0 / 298.257223563
 """The ellipsoid of WGS 84."""
-_E2 = FLATTENING * (2.0 - FLATTENING)
+_E2 = WGS84_FLATTENING * (2.0 - WGS84_FLATTENING)
 
 
 def local_m(lon_deg: float, lat_deg: float, origin: tuple[float, float]) -> tuple[float, float]:

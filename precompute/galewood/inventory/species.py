@@ -11,7 +11,7 @@ import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
 
-BUILTIN = {"populus": "poplar", "acer": "maple", "prunus": "apricot"}
+BUILTIN_SPECIES = {"populus": "poplar", "acer": "maple", "prunus": "apricot"}
 _NARROW = (
     "abies alnus betula calocedrus cedrus chamaecyparis cupressus eucalyptus ginkgo larix liriodendron "
     "metasequoia picea pinus pseudotsuga salix sequoia sequoiadendron taxodium thuja tsuga"
@@ -26,7 +26,7 @@ _SMALL = (
     "mespilus morus olea pyrus sambucus sorbus taxus viburnum"
 )
 STANDS_FOR: dict[str, str] = {
-    **BUILTIN,
+    **BUILTIN_SPECIES,
     **dict.fromkeys(_NARROW.split(), "poplar"),
     **dict.fromkeys(_BROAD.split(), "maple"),
     **dict.fromkeys(_SMALL.split(), "apricot"),
@@ -50,7 +50,7 @@ _COMMON = (
     "pyrus:pear,birne,birnbaum sambucus:elder,holunder "
     "sorbus:rowan,whitebeam,vogelbeere,eberesche,mehlbeere,elsbeere,speierling taxus:yew,eibe"
 )
-COMMON: dict[str, str] = {
+COMMON_NAMES: dict[str, str] = {
     name: genus
     for entry in _COMMON.split()
     for genus, names in [entry.split(":")]
@@ -73,7 +73,7 @@ class Match:
     @property
     def same(self) -> bool:
         """Whether it is a tree of the same genus."""
-        return BUILTIN.get(self.genus) == self.builtin
+        return BUILTIN_SPECIES.get(self.genus) == self.builtin
 
 
 def match_species(name: str, height_m: float) -> Match:
@@ -93,18 +93,18 @@ def genus_of(name: str) -> str:
     whole = "".join(words)
     # the noun comes last in English and in German
     for word in [whole, *reversed(words)]:
-        if word in BUILTIN.values():
-            return next(genus for genus, builtin in BUILTIN.items() if builtin == word)
+        if word in BUILTIN_SPECIES.values():
+            return next(genus for genus, builtin in BUILTIN_SPECIES.items() if builtin == word)
         if found := _common(word):
             return found
     return ""
 
 
 def _common(word: str) -> str:
-    if word in COMMON:
-        return COMMON[word]
-    endings = [name for name in COMMON if len(name) >= SHORTEST_ENDING and word.endswith(name)]
-    return COMMON[max(endings, key=len)] if endings else ""
+    if word in COMMON_NAMES:
+        return COMMON_NAMES[word]
+    endings = [name for name in COMMON_NAMES if len(name) >= SHORTEST_ENDING and word.endswith(name)]
+    return COMMON_NAMES[max(endings, key=len)] if endings else ""
 
 
 def plain(name: str) -> str:

@@ -37,7 +37,9 @@ def farthest_poses(q: Floats, top: Floats, sway_m: float) -> Floats:
     """
     moved = q @ top.T
     sway = np.linalg.norm(moved, axis=1)
-    heading = np.floor((np.arctan2(moved[:, 2], moved[:, 0]) / (2 * np.pi) + 1) * HEADING_COUNT) % HEADING_COUNT
+    heading = (
+        np.floor((np.arctan2(moved[:, 2], moved[:, 0]) / (2 * np.pi) + 1) * HEADING_COUNT) % HEADING_COUNT
+    )
     poses: list[Floats] = [np.zeros((0, q.shape[1]))]
     for number in range(HEADING_COUNT):
         own = np.flatnonzero((heading == number) & (sway > 1e-9))

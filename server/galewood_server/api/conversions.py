@@ -21,7 +21,7 @@ from galewood_server.http import ProblemError, problems, read_body
 
 router = APIRouter(prefix="/api", tags=["conversions"])
 LONGEST_RECORD_S = 1e9
-FILE: dict[str, Any] = {
+FILE_BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,
         "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
@@ -47,7 +47,7 @@ class MeasuredWindOut(BaseModel):
 @router.post(
     "/convert",
     response_model=InventoryOut | MeasuredWindOut,
-    openapi_extra=FILE,
+    openapi_extra=FILE_BODY,
     responses=problems(413, 415, 422, 503),
 )
 async def convert(
@@ -72,7 +72,7 @@ async def convert(
 
 @router.get("/inventory", response_model=InventoryOut, responses=problems(404, 415, 422, 503))
 async def get_inventory(request: Request, service: ServiceDep) -> Response:
-    """Return the inventory that this service was started with (`galewood forest FILE`), which the page plants
+    """Return the inventory that this service was started with (`galewood forest FILE_BODY`), which the page plants
     with `?inventory=api/inventory`."""
     path = service.settings.inventory
     if path is None or not path.is_file():

@@ -18,7 +18,7 @@ export {
 export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
 export { COMMON_LOT, LOT_SHADER, MISSING_BRANCH_SHARE } from "./trees/lotShader";
 export type { Components } from "./trees/mesh/components";
-export { limbsOf, type PartGeometry, STEM } from "./trees/mesh/limbs";
+export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
 export {
   type BarePart,
   disposeModel,

@@ -11,9 +11,9 @@ from galewood.wind.measured.samples import Samples
 
 FASTEST_RATE_HZ = 10.0
 """Faster series are averaged: trees do not respond to faster gusts."""
-FEWEST = 10
+FEWEST_SAMPLES = 10
 """Samples that are needed."""
-GAP = 1.5
+GAP_INTERVALS = 1.5
 """A pause of more than this many intervals is a gap."""
 BRIDGED_S, BRIDGED_INTERVALS = 60.0, 3.0
 """Longer gaps, in s and in intervals, end a piece; the longest piece is used."""
@@ -56,13 +56,13 @@ def series_of(samples: Samples) -> tuple[Series, Found]:
     timed.sort(key=lambda row: row[0])
     unique = [row for k, row in enumerate(timed) if k == 0 or row[0] > timed[k - 1][0]]
     valid = [row for row in unique if not (math.isnan(row[1]) or math.isnan(row[2]))]
-    if len(valid) < FEWEST:
+    if len(valid) < FEWEST_SAMPLES:
         raise MeasurementError(
-            f"only {len(valid)} samples have a time and a wind; at least {FEWEST} are needed"
+            f"only {len(valid)} samples have a time and a wind; at least {FEWEST_SAMPLES} are needed"
         )
     interval_s = _interval(unique)
     pauses = [b[0] - a[0] for a, b in itertools.pairwise(valid)]
-    gaps = [pause for pause in pauses if pause > GAP * interval_s]
+    gaps = [pause for pause in pauses if pause > GAP_INTERVALS * interval_s]
     piece = _longest_piece(valid, interval_s)
     found = Found(
         rows=len(rows),
@@ -76,11 +76,11 @@ def series_of(samples: Samples) -> tuple[Series, Found]:
         piece_start_s=piece[0][0] - valid[0][0],
         piece_s=piece[-1][0] - piece[0][0] + interval_s,
     )
-    if len(piece) < FEWEST:
+    if len(piece) < FEWEST_SAMPLES:
         longest_s = max(BRIDGED_S, BRIDGED_INTERVALS * interval_s)
         raise MeasurementError(
             f"the longest piece without a gap of more than {longest_s:.0f} s "
-            f"has only {len(piece)} samples; at least {FEWEST} are needed"
+            f"has only {len(piece)} samples; at least {FEWEST_SAMPLES} are needed"
         )
     return _even(piece, interval_s), found
 
@@ -113,7 +113,7 @@ def _interval(rows: list[Timed]) -> float:
     """The interval of the series: the mean of those that are near the median."""
     steps = [b[0] - a[0] for a, b in itertools.pairwise(rows)]
     median = sorted(steps)[len(steps) // 2]
-    near = [step for step in steps if median / GAP <= step <= GAP * median]
+    near = [step for step in steps if median / GAP_INTERVALS <= step <= GAP_INTERVALS * median]
     return sum(near) / len(near)
 
 

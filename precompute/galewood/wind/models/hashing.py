@@ -8,15 +8,15 @@ import numba
 
 from galewood.constants import HASH_FACTOR, HASH_GOLDEN, HASH_TURN_RAD
 
-MASK = 0xFFFFFFFF
+UINT32_MASK = 0xFFFFFFFF
 
 
 @numba.njit(cache=True, nogil=True)
 def hash32(seed, k):  # pragma: no cover  (compiled)
     """Mueller's integer finaliser applied to (seed, k): 0 … 2³²−1."""
-    h = (seed + HASH_GOLDEN * (k + 1)) & MASK
+    h = (seed + HASH_GOLDEN * (k + 1)) & UINT32_MASK
     for _ in range(2):
-        h = ((h ^ (h >> 16)) * HASH_FACTOR) & MASK
+        h = ((h ^ (h >> 16)) * HASH_FACTOR) & UINT32_MASK
     return h ^ (h >> 16)
 
 

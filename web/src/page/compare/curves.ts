@@ -5,7 +5,7 @@ import type { Tracks } from "./tracks";
 
 const INK_COLOUR = "#cfd3d2";
 const GRID_STYLE = { stroke: "rgba(255,255,255,0.1)", width: 1 };
-const AXIS = { stroke: INK_COLOUR, grid: GRID_STYLE, ticks: GRID_STYLE, font: "11px sans-serif" };
+const AXIS_STYLE = { stroke: INK_COLOUR, grid: GRID_STYLE, ticks: GRID_STYLE, font: "11px sans-serif" };
 const DECADES = [1e-3, 100] as const;
 
 export const COLOURS = { sway: "#9aa6ab", modal: "#8fd694", paper: "#f2ad3f" } as const;
@@ -48,8 +48,12 @@ export class Curves {
       cursor: { drag: { x: false, y: false } },
       scales: { x: { time: false }, y: { distr: 3, range: [...DECADES] } },
       axes: [
-        { ...AXIS, size: 28, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
-        { ...AXIS, size: 68, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} %` : "")) },
+        { ...AXIS_STYLE, size: 28, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
+        {
+          ...AXIS_STYLE,
+          size: 68,
+          values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} %` : "")),
+        },
       ],
       series: [
         { label: "time", value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },

@@ -24,8 +24,8 @@ export function gaussian(exponent: number): number {
 }
 
 /** Which records a search considers: those in moving air, or in still air (exactly zero pressure). */
-const MOVING = 0;
-const STILL = 1;
+const MOVING_AIR = 0;
+const STILL_AIR = 1;
 
 export interface LookupOptions {
   /** 0..1: how fast the pose approaches that of the found record; 0 accumulates as in the paper. Default: the table's. */
@@ -49,7 +49,7 @@ export class TableSearch {
     this.barred = lastRecords(records.trajectory);
     this.calm = new Uint8Array(this.barred.length);
     for (let j = 0; j < this.calm.length; j++) {
-      this.calm[j] = pressure[2 * j] === 0 && pressure[2 * j + 1] === 0 ? STILL : MOVING;
+      this.calm[j] = pressure[2 * j] === 0 && pressure[2 * j + 1] === 0 ? STILL_AIR : MOVING_AIR;
     }
     this.byX = Uint16Array.from(this.calm, (_, j) => j).sort(
       (a, b) => pressure[2 * a] - pressure[2 * b] || a - b,
@@ -60,7 +60,7 @@ export class TableSearch {
   /** The record for the next step from a record's state (0: first step); −1 if there is none for this kind of air.
    *  When the air starts to move around a tree in still air, the search starts again with a first step. */
   find(state: number, weight: number, air: number, fx: number, fz: number): number {
-    const begins = state === 0 || (air === MOVING && this.calm[state] === STILL);
+    const begins = state === 0 || (air === MOVING_AIR && this.calm[state] === STILL_AIR);
     return begins ? this.nearestPressure(air, fx, fz) : this.bestCandidate(state, weight, air, fx, fz);
   }
 
@@ -167,7 +167,7 @@ export class PaperForest extends TreeInstances {
   protected step(i: number, fx: number, fz: number): void {
     const { initial, maximum, growth } = this.records.metadata.weight;
     const state = this.record[i] + 1;
-    const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : SEARCH_ANY_AIR;
+    const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL_AIR : MOVING_AIR) : SEARCH_ANY_AIR;
     let found = this.search.find(state, this.weight[i], air, fx, fz);
     if (found < 0) found = this.search.find(state, this.weight[i], SEARCH_ANY_AIR, fx, fz); // no record for this kind of air: search all
     const follows = state > 0 && found === state;

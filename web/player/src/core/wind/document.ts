@@ -12,7 +12,7 @@ import {
   WIND_VERSION,
 } from "../constants";
 import { type Field, numberAt, objectAt, refuseUnknown, WindError, type WindModel } from "./fields";
-import { type Recording, recordingAt, STILL } from "./recording";
+import { EMPTY_RECORDING, type Recording, recordingAt } from "./recording";
 
 export { WindError, type WindModel } from "./fields";
 
@@ -69,7 +69,7 @@ const DEFAULTS = {
   reference_height_m: WIND_FIELDS.reference_height_m.default,
   heading_swing_deg: WIND_FIELDS.heading_swing_deg.default,
   waves: FOREST_WAVES,
-  recording: STILL,
+  recording: EMPTY_RECORDING,
 };
 
 /** Fills in the defaults of a valid document. */

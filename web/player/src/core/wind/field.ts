@@ -12,7 +12,7 @@ import { RecordedGusts } from "./models/recorded";
 import { SpectralGusts } from "./models/spectral";
 import { pressureOfVelocity } from "./pressure";
 
-const TIMED: readonly string[] = TIMED_MODELS;
+const TIMED_NAMES: readonly string[] = TIMED_MODELS;
 /** One set per species of the forest, and some for the instruments. */
 const KEPT_BUFFERS = 12;
 
@@ -91,7 +91,7 @@ export class WindField {
   }
 
   private write(wind: ResolvedWind, moment: Moment, x: Places, z: Places, outX: Output, outZ: Output): void {
-    const carried = TIMED.includes(wind.model) ? moment.time_s : moment.travel;
+    const carried = TIMED_NAMES.includes(wind.model) ? moment.time_s : moment.travel;
     this.gustsFor(wind, moment).velocity(wind, carried, x, z, outX, outZ);
   }
 

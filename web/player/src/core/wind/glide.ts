@@ -40,7 +40,7 @@ export interface Moment {
 }
 
 type Gliding = Exclude<keyof typeof FIELDS, "seed" | "beta" | "direction_deg">;
-const GLIDING = Object.keys(FIELDS).filter(
+const GLIDING_FIELDS = Object.keys(FIELDS).filter(
   (name) => name !== "seed" && name !== "beta" && name !== "direction_deg",
 ) as Gliding[];
 
@@ -174,7 +174,7 @@ export function fieldKey(wind: ResolvedWind): string {
 
 /** Interpolates from a to b, the direction along the shorter arc; model, seed, β and waves are taken from b. */
 function between(a: ResolvedWind, b: ResolvedWind, share: number): ResolvedWind {
-  const numbers = Object.fromEntries(GLIDING.map((name) => [name, mix(a[name], b[name], share)]));
+  const numbers = Object.fromEntries(GLIDING_FIELDS.map((name) => [name, mix(a[name], b[name], share)]));
   const direction = b.direction_deg - (1 - share) * halfTurn(b.direction_deg - a.direction_deg);
   return { ...b, ...numbers, direction_deg: halfTurn(direction) };
 }

@@ -19,10 +19,10 @@ export interface Recording {
   readonly pairs: string;
 }
 
-export const STILL: Recording = STILL_RECORDING;
+export const EMPTY_RECORDING: Recording = STILL_RECORDING;
 
-const SAMPLES = `${FEWEST_RECORDING_SAMPLES}..${MOST_RECORDING_SAMPLES}`;
-const EXPECTED = `expected ${SAMPLES} pairs of 16-bit integers, little-endian, in base64`;
+const SAMPLES_TEXT = `${FEWEST_RECORDING_SAMPLES}..${MOST_RECORDING_SAMPLES}`;
+const EXPECTED_TEXT = `expected ${SAMPLES_TEXT} pairs of 16-bit integers, little-endian, in base64`;
 
 /** Parses the field `recording`; throws WindError that names the invalid field. */
 export function recordingAt(value: unknown, path: string): Recording {
@@ -32,7 +32,7 @@ export function recordingAt(value: unknown, path: string): Recording {
   const interval_s = numberAt(fields, "interval_s", RECORDING_FIELDS.interval_s, path) as number;
   const unit = numberAt(fields, "unit", RECORDING_FIELDS.unit, path) as number;
   const { pairs } = fields;
-  if (typeof pairs !== "string" || !isPairs(pairs)) throw new WindError(`${path}.pairs`, EXPECTED);
+  if (typeof pairs !== "string" || !isPairs(pairs)) throw new WindError(`${path}.pairs`, EXPECTED_TEXT);
   return { interval_s, unit, pairs };
 }
 

@@ -20,7 +20,7 @@ export { changeWind, finalWind, parseState, steady, type WindState, windAt, with
 export { phaseRad } from "./hashing";
 export { CALM_BREEZE, PRESETS, type PresetName, paperWind } from "./presets";
 export { coverage, dynamicPressure, heightFactor, limitPressure } from "./pressure";
-export { type Recording, STILL } from "./recording";
+export { EMPTY_RECORDING, type Recording } from "./recording";
 
 let last: { wind: WindDocument; field: WindField } | undefined;
 

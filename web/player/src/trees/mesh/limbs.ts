@@ -13,7 +13,7 @@ export interface PartGeometry {
 }
 
 /** Number of a limb per piece; this one means the stem and what grows on it. */
-export const STEM = -1;
+export const STEM_LIMB = -1;
 /** Long edges are sampled at this distance, m, and the samples are found in cells of this size. */
 const STEP_M = 0.3;
 /** Farther than this from anything, a piece counts as attached to the stem. */
@@ -172,21 +172,21 @@ function stemOf({ positions, pieces }: PartGeometry): number {
 function limbsOfWood(wood: PartGeometry): Int32Array {
   const stem = stemOf(wood);
   const first = firstVertices(wood.pieces);
-  const limb = new Int32Array(wood.pieces.count).fill(STEM);
+  const limb = new Int32Array(wood.pieces.count).fill(STEM_LIMB);
   const order = [...first.keys()].filter((piece) => piece !== stem).sort((a, b) => first[a] - first[b]);
   const known = new Nearby();
   const samples = new Samples(wood);
-  samples.add(stem, known, STEM);
+  samples.add(stem, known, STEM_LIMB);
   let limbs = 0;
   for (const piece of order) {
     const parent = known.find(...baseOf(wood, first[piece], piece));
-    limb[piece] = parent === null || parent === STEM ? limbs++ : parent;
+    limb[piece] = parent === null || parent === STEM_LIMB ? limbs++ : parent;
     samples.add(piece, known, limb[piece]);
   }
   return limb;
 }
 
-/** The limb of every piece of each part; STEM where it grows on the stem. Parts without wood are all STEM. */
+/** The limb of every piece of each part; STEM_LIMB where it grows on the stem. Parts without wood are all STEM_LIMB. */
 export function limbsOf(parts: readonly PartGeometry[]): Int32Array[] {
   const known = { wood: new Nearby(), twigs: new Nearby() };
   let twigs = false;
@@ -198,7 +198,7 @@ export function limbsOf(parts: readonly PartGeometry[]): Int32Array[] {
     }
     const from = part.kind === "leaves" && twigs ? known.twigs : known.wood;
     const first = firstVertices(part.pieces);
-    const limb = Int32Array.from(first, (v, piece) => from.find(...baseOf(part, v, piece)) ?? STEM);
+    const limb = Int32Array.from(first, (v, piece) => from.find(...baseOf(part, v, piece)) ?? STEM_LIMB);
     if (part.kind === "twigs") {
       twigs = true;
       new Samples(part).addAll(known.twigs, limb);

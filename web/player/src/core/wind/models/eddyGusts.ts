@@ -13,7 +13,7 @@ import {
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
 import { hash32 } from "../hashing";
-import { Eddies, SLICES } from "./navierStokes";
+import { Eddies, SLICE_COUNT } from "./navierStokes";
 import { type Picture, samplePicture } from "./texture";
 
 /** The solver run of one epoch. */
@@ -35,7 +35,7 @@ class Run {
   /** Adds the weighted velocity at fraction t between a step and the next, and prepares the following step. */
   add(step: number, t: number, weight: number, picture: Picture): void {
     while (this.eddies.steps <= step) this.eddies.finish();
-    this.eddies.prepare(Math.ceil(t * SLICES));
+    this.eddies.prepare(Math.ceil(t * SLICE_COUNT));
     const { beforeU, beforeV, u, v } = this.eddies;
     for (let i = 0; i < u.length; i++) {
       picture.along[i] += weight * ((1 - t) * beforeU[i] + t * u[i]);

@@ -17,25 +17,25 @@ import {
 import { hash32, signedUniform } from "../hashing";
 import { rootsOfUnity, transformColumns, transformRows } from "./fourier";
 
-export const SLICES = 6;
-const CELLS = EDDY_GRID * EDDY_GRID;
-const MASK = EDDY_GRID - 1;
-const HALF = EDDY_GRID / 2;
+export const SLICE_COUNT = 6;
+const CELL_COUNT = EDDY_GRID * EDDY_GRID;
+const GRID_MASK = EDDY_GRID - 1;
+const HALF_GRID = EDDY_GRID / 2;
 const ROOTS = rootsOfUnity(EDDY_GRID);
 
-const signed = (n: number): number => (n < HALF ? n : n - EDDY_GRID);
+const signed = (n: number): number => (n < HALF_GRID ? n : n - EDDY_GRID);
 
 /** One run of the solver from a seeded start. */
 export class Eddies {
   steps = 0;
   /** Velocity (x, y) after `steps` steps, in standard deviations. */
-  u = new Float64Array(CELLS);
-  v = new Float64Array(CELLS);
+  u = new Float64Array(CELL_COUNT);
+  v = new Float64Array(CELL_COUNT);
   /** Velocity of the previous step. */
-  beforeU = new Float64Array(CELLS);
-  beforeV = new Float64Array(CELLS);
-  private nextU = new Float64Array(CELLS);
-  private nextV = new Float64Array(CELLS);
+  beforeU = new Float64Array(CELL_COUNT);
+  beforeV = new Float64Array(CELL_COUNT);
+  private nextU = new Float64Array(CELL_COUNT);
+  private nextV = new Float64Array(CELL_COUNT);
   private slice = 0;
 
   constructor(private readonly seed: number) {
@@ -49,17 +49,17 @@ export class Eddies {
 
   /** Number of completed steps, plus the prepared fraction of the next one. */
   get progress(): number {
-    return this.steps + this.slice / SLICES;
+    return this.steps + this.slice / SLICE_COUNT;
   }
 
   /** Prepares the next step up to the given slice; the velocity changes only in `finish`. */
   prepare(slices: number): void {
-    for (; this.slice < Math.min(slices, SLICES); this.slice++) this.work(this.slice);
+    for (; this.slice < Math.min(slices, SLICE_COUNT); this.slice++) this.work(this.slice);
   }
 
   /** Completes one step. */
   finish(): void {
-    this.prepare(SLICES);
+    this.prepare(SLICE_COUNT);
     this.slice = 0;
     this.steps++;
     [this.beforeU, this.u, this.nextU] = [this.u, this.nextU, this.beforeU];
@@ -93,10 +93,10 @@ function advect(u: Float64Array, v: Float64Array, outU: Float64Array, outV: Floa
       const fy = Math.floor(py);
       const tx = px - fx;
       const ty = py - fy;
-      const x0 = fx & MASK;
-      const x1 = (fx + 1) & MASK;
-      const y0 = (fy & MASK) * EDDY_GRID;
-      const y1 = ((fy + 1) & MASK) * EDDY_GRID;
+      const x0 = fx & GRID_MASK;
+      const x1 = (fx + 1) & GRID_MASK;
+      const y0 = (fy & GRID_MASK) * EDDY_GRID;
+      const y1 = ((fy + 1) & GRID_MASK) * EDDY_GRID;
       const w00 = (1 - tx) * (1 - ty);
       const w10 = tx * (1 - ty);
       const w01 = (1 - tx) * ty;
@@ -125,10 +125,10 @@ function clearShortest(re: Float64Array, im: Float64Array): void {
   re[0] = 0;
   im[0] = 0;
   for (let n = 0; n < EDDY_GRID; n++) {
-    re[HALF * EDDY_GRID + n] = 0;
-    im[HALF * EDDY_GRID + n] = 0;
-    re[n * EDDY_GRID + HALF] = 0;
-    im[n * EDDY_GRID + HALF] = 0;
+    re[HALF_GRID * EDDY_GRID + n] = 0;
+    im[HALF_GRID * EDDY_GRID + n] = 0;
+    re[n * EDDY_GRID + HALF_GRID] = 0;
+    im[n * EDDY_GRID + HALF_GRID] = 0;
   }
 }
 
@@ -138,12 +138,12 @@ function project(re: Float64Array, im: Float64Array, kick: number, seed: number)
   clearShortest(re, im);
   let energy = 0;
   let kicks = 0;
-  for (let y = 0; y < HALF; y++) {
+  for (let y = 0; y < HALF_GRID; y++) {
     for (let x = 0; x < EDDY_GRID; x++) {
       const kx = signed(x);
-      if (x === HALF || (y === 0 && kx <= 0)) continue;
+      if (x === HALF_GRID || (y === 0 && kx <= 0)) continue;
       const i = y * EDDY_GRID + x;
-      const j = ((EDDY_GRID - y) & MASK) * EDDY_GRID + ((EDDY_GRID - x) & MASK);
+      const j = ((EDDY_GRID - y) & GRID_MASK) * EDDY_GRID + ((EDDY_GRID - x) & GRID_MASK);
       const sx = sine[x];
       const sy = sine[y];
       const s2 = sx * sx + sy * sy;
@@ -155,7 +155,7 @@ function project(re: Float64Array, im: Float64Array, kick: number, seed: number)
       pr *= rub;
       pi *= rub;
       if (kick > 0 && k2 >= EDDY_BAND[0] * EDDY_BAND[0] && k2 < EDDY_BAND[1] * EDDY_BAND[1]) {
-        const push = (kick * CELLS) / (8 * Math.sqrt(s2));
+        const push = (kick * CELL_COUNT) / (8 * Math.sqrt(s2));
         pr += push * signedUniform(seed, 2 * kicks);
         pi += push * signedUniform(seed, 2 * kicks + 1);
         kicks++;
@@ -173,7 +173,7 @@ function project(re: Float64Array, im: Float64Array, kick: number, seed: number)
     }
   }
   const scale = 1 / Math.sqrt(energy); // Parseval: the mean of u² + v² becomes 2
-  for (let i = 0; i < CELLS; i++) {
+  for (let i = 0; i < CELL_COUNT; i++) {
     re[i] *= scale;
     im[i] *= scale;
   }
