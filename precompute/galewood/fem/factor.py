@@ -82,7 +82,7 @@ def _lower(blocks: Floats) -> Floats:
 
 @numba.njit(**JIT)
 def solve_factor(pointer: Array, rows: Array, v: Array, b: Floats) -> None:
-    """Forward and backward substitution in place; b (n, 3). Twin: web/player/src/core/pull/factor.ts."""
+    """Forward and backward substitution in place; b (n, 3)."""
     n = len(pointer) - 1
     for k in range(n):
         p = pointer[k]

@@ -1,7 +1,4 @@
-"""The gust layer of many trees: motion under gusts that differ within each crown.
-
-Twin: web/player/src/core/modal/gustLayer.ts.
-"""
+"""The gust layer of many trees: motion under gusts that differ within each crown."""
 
 from __future__ import annotations
 

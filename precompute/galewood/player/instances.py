@@ -23,7 +23,7 @@ class Stepping:
 
 
 class TreeInstances:
-    """State of the trees that both methods share. Twin: web/player/src/core/motion/treeInstances.ts."""
+    """State of the trees that both methods share."""
 
     def __init__(self, count: int, mode_scale: npt.NDArray[np.float32], dt_s: float, stepped: int) -> None:
         """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q.

@@ -4,7 +4,7 @@ State of a tree: d modal coordinates e (m·√kg) about its gravity rest pose an
 the time step of the FEM, linear and diagonal in e, under the wind load and a force that is polynomial in the
 two sway coordinates (docs/design/0005-drift-free-motion.md). The pose consists of e and a few more modes that
 follow e and the pressure quasi-statically. Trees are stepped in batches, so that BLAS sums the terms and the
-compiler can use the full SIMD width. Twin: web/player/src/core/modal.
+compiler can use the full SIMD width.
 """
 
 from __future__ import annotations

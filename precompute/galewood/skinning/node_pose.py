@@ -1,5 +1,4 @@
-"""Pose of a skin: where its vertices are drawn. Twins: web/player/src/core/motion/nodePose.ts, shaders of
-web/player/src/trees.
+"""Pose of a skin: where its vertices are drawn. The shaders of web/player/src/trees do the same.
 
 A node moves by Σ q · basis. The stretch of the links between nodes is limited: the link from its parent to
 a node is not drawn longer than LONGEST_LINK times its length at rest. What it has in excess is taken off

@@ -1,4 +1,4 @@
-"""Two-dimensional Fourier transform, bit-identical to web/player/src/core/wind/models/fourier.ts.
+"""Two-dimensional Fourier transform, bit-identical in every language.
 
 The eddies of the Navier–Stokes model are chaotic: a difference in the last bit produces a different wind
 within a few hundred steps. The order of all operations is therefore fixed, and the roots of unity are
