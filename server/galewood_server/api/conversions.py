@@ -72,7 +72,7 @@ async def convert(
 
 @router.get("/inventory", response_model=InventoryOut, responses=problems(404, 415, 422, 503))
 async def get_inventory(request: Request, service: ServiceDep) -> Response:
-    """Return the inventory that this service was started with (`galewood forest FILE_BODY`), which the page plants
+    """Return the inventory that this service was started with (`galewood forest FILE`), which the page plants
     with `?inventory=api/inventory`."""
     path = service.settings.inventory
     if path is None or not path.is_file():
