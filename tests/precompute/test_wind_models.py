@@ -12,8 +12,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from galewood.bench.wind import bench_wind
+from galewood.constants import PAPER_WAVES, PERLIN_NOISE_VARIANCE, TRANSITION_S, WIND_MODELS
 from galewood.wind import transition as transition
-from galewood.wind.document import FIELDS, MODELS, Field
+from galewood.wind.document import FIELDS, Field
 from galewood.wind.evaluation import (
     PRESETS,
     Wave,
@@ -28,15 +29,13 @@ from galewood.wind.evaluation import (
     parse_state,
     parse_wind,
     parse_wind_or_state,
-    sampled_peak_pa,
     to_tree_frame,
     wind_pressure,
     wind_speed,
 )
 from galewood.wind.models.cosine import cos_turns
 from galewood.wind.models.fourier import roots_of_unity, transform_columns, transform_rows
-from galewood.wind.models.perlin import NOISE_VARIANCE, SLOPES, noise, permutation
-from galewood.wind.presets import PAPER_WAVES
+from galewood.wind.models.perlin import SLOPES, noise, permutation
 from galewood.wind.recording import STILL
 from galewood.wind.schema import wind_schema
 
@@ -77,7 +76,7 @@ def test_documents_survive_a_round_trip(wind: Wind) -> None:
     assert parse_wind(json.loads(json.dumps(wind.document()))) == wind
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", WIND_MODELS)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "8", None, True, [], 1e300])
 def test_every_number_is_validated_by_name(model: str, value: object) -> None:
     for name, rule in FIELDS.items():
@@ -89,7 +88,7 @@ def test_every_number_is_validated_by_name(model: str, value: object) -> None:
 
 
 def test_range_limits_are_inclusive() -> None:
-    for model in MODELS:
+    for model in WIND_MODELS:
         own: dict[str, Field] = {name: rule for name, rule in FIELDS.items() if model in rule.models}
         for end in ("low", "high"):
             numbers = {name: getattr(rule, end) for name, rule in own.items()}
@@ -139,10 +138,10 @@ def test_noise_variance_equals_its_integral() -> None:
             square[i + j] = square.get(i + j, 0) + a * b
     plain = sum(Fraction(a, n + 1) for n, a in square.items())
     weighted = sum(Fraction(a, n + 3) for n, a in square.items())
-    assert float(16 * plain * plain * weighted) == NOISE_VARIANCE
+    assert float(16 * plain * plain * weighted) == PERLIN_NOISE_VARIANCE
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", WIND_MODELS)
 def test_still_air_has_zero_pressure(model: str) -> None:
     out = np.ones((2, len(X)), np.float32)
     wind_pressure(Wind(mean_speed_m_s=0.0, model=model), X, Z, 77.0, out[0], out[1])
@@ -171,9 +170,7 @@ def test_height_factor_tree_frame_and_coverage() -> None:
     assert height_factor(24.0, 0.2, 12.0) == pytest.approx(2.0**0.2)
     east, south = to_tree_frame(np.array([1.0]), np.array([0.0]), math.pi / 2)
     assert (east[0], south[0]) == pytest.approx((0.0, 1.0))
-    peak = sampled_peak_pa(np.array([[3.0, 4.0], [0.0, 1.0]], np.float32))
-    assert peak == 5.0
-    assert coverage(np.array([3.0, 5.1, 0.0, 0.0]), np.array([4.0, 0.0, 5.1, 0.0]), peak) == 0.5
+    assert coverage(np.array([3.0, 5.1, 0.0, 0.0]), np.array([4.0, 0.0, 5.1, 0.0]), 5.0) == 0.5
 
 
 def test_paper_winds_are_single_cosines_of_constant_direction() -> None:
@@ -194,7 +191,7 @@ DRAGS: list[tuple[str, float, float]] = [
 ]
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", WIND_MODELS)
 @pytest.mark.parametrize(("name", "start", "end"), DRAGS)
 def test_dragging_a_slider_causes_no_jumps_even_after_an_hour(
     model: str, name: str, start: float, end: float
@@ -228,7 +225,7 @@ def test_change_of_model_is_continuous() -> None:
 def test_travel_is_the_integral_of_the_changing_rate() -> None:
     state = transition.steady(Wind(model="perlin", convection_speed_m_s=8.0))
     state = transition.change_wind(state, Wind(model="perlin", convection_speed_m_s=3.0), 10.0)
-    share = [min(max((t - 10.0) / transition.TRANSITION_S, 0.0), 1.0) for t in np.arange(0.0005, 12.0, 0.001)]
+    share = [min(max((t - 10.0) / TRANSITION_S, 0.0), 1.0) for t in np.arange(0.0005, 12.0, 0.001)]
     rate = [8.0 / 20.0 + (3.0 - 8.0) / 20.0 * s * s * (3.0 - 2.0 * s) for s in share]
     assert transition.at(state, 12.0).travel == pytest.approx(sum(rate) * 0.001, rel=1e-6)
 
@@ -258,7 +255,7 @@ def test_single_wave_is_a_cosine() -> None:
 
 def test_benchmark_covers_every_model() -> None:
     figures = bench_wind(trees=50, frames=3)
-    assert set(figures) == {"trees", *MODELS}
+    assert set(figures) == {"trees", *WIND_MODELS}
 
 
 def test_groups_of_trees_can_be_evaluated_separately() -> None:

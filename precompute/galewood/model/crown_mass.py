@@ -2,7 +2,7 @@
 
 Pipe model (Shinozaki and others, Japanese Journal of Ecology 14, 1964): the cross-sections of all branches
 of one thickness add up to that of the trunk. A tree whose wood is drawn down to branches of diameter d thus
-bears A / (π d²/4) branches of this diameter, where A is the cross-section of the trunk, and each carries its
+has A / (π d²/4) branches of this diameter, where A is the cross-section of the trunk, and each carries its
 twigs.
 
 Their mass is that of measured branches, weighed fresh with all their side branches: m = 0.0419 d^2.79 kg, d
@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
+from galewood.constants import BREAST_HEIGHT_M
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
 from galewood.skeleton import Outline, outline_of
 from galewood.util import Floats
@@ -32,14 +33,14 @@ BRANCH_KG, BRANCH_POWER = 0.0419, 2.79
 """Fresh mass of a branch of 1 cm with its twigs, and the power of its diameter in cm."""
 FINEST_CM, COARSEST_CM = 1.0, 10.0
 """Range of the diameters that were weighed."""
-BREAST_HEIGHT_M, LOW_SHARE = 1.3, 1 / 9
-"""Height of the measured cross-section; on a low tree, its share of the height."""
+LOW_SHARE = 1 / 9
+"""Height of the measured cross-section on a low tree, relative to its own; otherwise at breast height."""
 FEWEST_BRANCHES = 3
 """A trunk with fewer side branches is a pole, which has no twigs."""
 MOST_TWIG_MASS = 0.5
 """Relative to the mass of the wood."""
 LIMB_SHARE = 0.5
-"""Radius, relative to the trunk's, below which a limb bears twigs if the tree has no leaves."""
+"""Radius, relative to the trunk's, below which a limb has twigs if the tree has no leaves."""
 MASS_SOURCE = "pipe model; fresh branch mass 0.0419 d^2.79 kg (21 branches, FES 519b, Yale)"
 
 Spread = Callable[[RenderPrimitive, Floats], Floats]
@@ -132,7 +133,7 @@ def _scanned(tree: TreeMesh) -> tuple[float, float | None] | None:
 
 
 def _drawn(outline: Outline) -> tuple[float, float | None]:
-    """Diameters, cm, of the trunk and of the finest branches: of those that bear no others, at their base.
+    """Diameters, cm, of the trunk and of the finest branches: of those without side branches, at their base.
 
     The second is None if there are hardly any branches.
     """

@@ -6,18 +6,17 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from galewood.constants import LINEAR_SWAY_SHARE
 from galewood.mesh import TreeMesh
 from galewood.model import BeamModel, beam_model, typical_frequency_hz
 from galewood.wind import dynamic_pressure
 from galewood.wood import Wood, wood_of_species
 
 BREEZE_M_S, STORM_M_S = 10.0, 18.0
-LINEAR_SHARE = 0.2
-"""Sway over height beyond which the linear response overestimates."""
 MIN_FREQUENCY_RATIO = 0.5
 """Lowest frequency to suggest, over that of measured trees: softer trees could not carry their own weight."""
 VISIBLE_SHARE = 0.01
-"""Sway in the strong wind, relative to the height, below which a tree hardly seems to move."""
+"""Sway in the strong wind, relative to the height, below which motion is barely visible."""
 
 
 def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] | None:
@@ -72,7 +71,7 @@ def motion_lines(expected: dict[str, Any] | None) -> list[str]:
     ]
     if not expected["visible"]:
         lines.append(
-            "This tree will hardly seem to move. Trees of its height sway at about "
+            "The motion of this tree will be barely visible. Trees of its height sway at about "
             f"{expected['typical_frequency_hz']:.2g} Hz. For visible motion, build it with "
             f"--first-frequency-hz {expected['lively_frequency_hz']:.2g}."
         )
@@ -80,9 +79,9 @@ def motion_lines(expected: dict[str, Any] | None) -> list[str]:
 
 
 def _sway_words(sway: dict[str, Any]) -> str:
-    """A sway as a length and share of the height; beyond LINEAR_SHARE the linear response says too much."""
-    if sway["share"] > LINEAR_SHARE:
-        return f"more than {100 * LINEAR_SHARE:g} % of the height"
+    """A sway as a length and share of the height; the linear response says too much of a large one."""
+    if sway["share"] > LINEAR_SWAY_SHARE:
+        return f"more than {100 * LINEAR_SWAY_SHARE:g} % of the height"
     share = f"{100 * sway['share']:.2g}" if sway["share"] >= 1e-5 else "less than 0.001"
     return f"{length_words(sway['sway_m'])} ({share} % of the height)"
 

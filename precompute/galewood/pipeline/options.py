@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from galewood.constants import STAGES_AFTER_TABLE
 from galewood.fem import FemSettings
 from galewood.options import BuildRequest
 from galewood.pipeline.table_settings import TableSettings

@@ -9,18 +9,18 @@ from collections.abc import Mapping
 from typing import Any
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from galewood.constants import TICK_HZ, WIRE_VERSION
 from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
 
 from galewood_server.access import rate_limit_key
 from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
-from galewood_server.peers import RELAYED, SERVICE_RESTART, PeerLostError, peer_of, relay
+from galewood_server.peers import RELAYED_HEADER, SERVICE_RESTART, PeerLostError, peer_of, relay
 from galewood_server.storage import DamagedFileError
 from galewood_server.stream import (
     INVALID_DATA,
     POLICY_VIOLATION,
     UNSUPPORTED_DATA,
-    WIRE_VERSION,
     SessionError,
     Subscription,
     WireError,
@@ -53,13 +53,13 @@ async def _serve(websocket: WebSocket, service: Service) -> None:
         share = None
     async with service.owners.wanted(share):
         try:
-            peer = await peer_of(service.owners, share, session.address, RELAYED in websocket.headers)
+            peer = await peer_of(service.owners, share, session.address, RELAYED_HEADER in websocket.headers)
         except SessionError as error:
             await session.refuse(error)
         except PeerLostError as error:
-            log.info("a client is to come again: %s", error)
+            log.info("asked a client to reconnect: %s", error)
             await websocket.accept()
-            await websocket.close(SERVICE_RESTART, "Come again")
+            await websocket.close(SERVICE_RESTART, "Reconnect")
         else:
             if peer is None:
                 await session.run()
@@ -128,7 +128,7 @@ class Session:
             raise SessionError("no-hello", "HELLO was not received in time") from None
         if not isinstance(first, wire.Hello):
             raise SessionError("no-hello", "The first message must be HELLO")
-        await self._send(wire.Welcome(self._service.server_name, WIRE_VERSION, wire.TICK_HZ))
+        await self._send(wire.Welcome(self._service.server_name, WIRE_VERSION, TICK_HZ))
 
     async def _receive(self) -> wire.Request:
         message = await self._websocket.receive()
@@ -218,7 +218,7 @@ class Session:
             if await owners.elsewhere(forest.share):
                 raise SessionError(
                     "elsewhere",
-                    "Another server holds this shared forest",
+                    "Another server runs this shared forest",
                     "Name the forest in the address of the socket: /ws/forest?share=…",
                 )
             return await self._service.forests.join(forest, wind, self._protocol, self.address)

@@ -10,8 +10,9 @@ from typing import Literal
 
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from galewood.sandbox import missing_here
-from galewood.table import VERSION, TableError, read_metadata
+from galewood.constants import TABLE_VERSION
+from galewood.sandbox import unavailable_restrictions
+from galewood.table import TableError, read_metadata
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
@@ -74,7 +75,7 @@ def run_checks(settings: Settings, *, repair: bool = False) -> list[Finding]:
     with sessions() as session:
         found += [*_jobs(session), *_versions(session, stores)]
     _remove_stale_copies(settings, stores, repair)
-    return [*found, *_disk(settings), *(Finding("confinement", line) for line in missing_here())]
+    return [*found, *_disk(settings), *(Finding("confinement", line) for line in unavailable_restrictions())]
 
 
 def _database(settings: Settings) -> Iterator[Finding]:
@@ -209,8 +210,8 @@ def _versions(session: Session, stores: Stores) -> Iterator[Finding]:
             except (TableError, DamagedFileError) as error:
                 yield Finding("version", f"the table of {tree.name!r} is unreadable: {error}")
                 continue
-            if version != VERSION:
-                text = f"the table of {tree.name!r} has version {version}, this software uses {VERSION}"
+            if version != TABLE_VERSION:
+                text = f"the table of {tree.name!r} has version {version}, this software uses {TABLE_VERSION}"
                 yield Finding("version", text)
 
 

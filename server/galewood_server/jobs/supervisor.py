@@ -8,14 +8,15 @@ import time
 from dataclasses import dataclass
 from datetime import datetime
 
-from galewood.util import write_whole
+from galewood.constants import STAGES_AFTER_TABLE
+from galewood.util import write_atomically
 from sqlalchemy.exc import SQLAlchemyError
 
 from galewood_server.context import Service
 from galewood_server.jobs import leases
 from galewood_server.jobs.cluster.embedded import Cluster, ClusterError, Handover
 from galewood_server.jobs.processes import ChildProcess, start_module
-from galewood_server.jobs.queue import AFTER_TABLE, end_job
+from galewood_server.jobs.queue import end_job
 from galewood_server.storage import Job, JobKind, collect_garbage, forget_analysis_folders
 
 log = logging.getLogger("galewood.jobs")
@@ -258,14 +259,14 @@ class Supervisor:
             return
         if stage not in STAGES_WITHOUT_CLUSTER:
             handover.start()
-        if stage in AFTER_TABLE and claim.job_id not in self._in_records:
+        if stage in STAGES_AFTER_TABLE and claim.job_id not in self._in_records:
             self._in_records.add(claim.job_id)
             self._service.jobs_changed.set()
 
     def _set_cancel_flag(self, job_id: str) -> None:
         """Signal the cancellation to the workers, because Dask cannot stop running tasks."""
         settings = self._service.settings
-        write_whole(settings.cancel_flag(job_id), b"")
+        write_atomically(settings.cancel_flag(job_id), b"")
         if settings.store_url:
             from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 

@@ -9,13 +9,13 @@ from zipfile import BadZipFile
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
-from galewood.util import write_whole
+from galewood.constants import STAGES_AFTER_TABLE
+from galewood.util import write_atomically
 from pydantic import BaseModel
 
 from galewood_server.api.trees import find_tree
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, problems
-from galewood_server.jobs import AFTER_TABLE
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 
@@ -60,7 +60,7 @@ def _tetrahedra(service: Service, tree_id: str) -> str:
     with service.sessions() as session:
         tree = find_tree(session, tree_id)
         meshed = [job for job in tree.jobs if job.kind == "build" and job.result]
-        complete = [job for job in meshed if job.state == "done" or job.stage in AFTER_TABLE]
+        complete = [job for job in meshed if job.state == "done" or job.stage in STAGES_AFTER_TABLE]
         # until a build has replaced a complete table, its tetrahedra are not those of the tree
         chosen = complete if tree.state == "ready" else meshed
         if not chosen:
@@ -73,7 +73,7 @@ def _extract(kept: Path, target: Path) -> None:
     from galewood.skeleton import structure_limited  # loads the meshing packages
 
     try:
-        write_whole(target, structure_limited(kept))
+        write_atomically(target, structure_limited(kept))
     except (FileNotFoundError, KeyError, ValueError, BadZipFile):
         raise _no_structure() from None
 
