@@ -13,6 +13,7 @@ export { type Front, frontExtent, travelled_m } from "./core/wind/fronts";
 export { rootsOfUnity, transformRows } from "./core/wind/models/fourier";
 export {
   dynamicPressure,
+  EMPTY_RECORDING,
   FIELDS,
   hasField,
   heightFactor,
@@ -21,7 +22,6 @@ export {
   type PresetName,
   parseWind,
   parseWindText,
-  STILL,
   type Wave,
   type WindDocument,
   WindError,
