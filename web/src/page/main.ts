@@ -60,10 +60,7 @@ function afterPaint(then: () => void): void {
 }
 
 // Accept files from the start: otherwise the browser would navigate to a dropped file.
-const stopUploads = acceptUploads(uploads, files);
-addEventListener("pagehide", ({ persisted }) => {
-  if (!persisted) stopUploads();
-});
+acceptUploads(uploads, files);
 
 // Paint the text first: starting the forest takes a moment, and much longer without a GPU.
 afterPaint(() => {

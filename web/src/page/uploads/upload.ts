@@ -36,13 +36,10 @@ async function sendInTurn(files: readonly Chosen[], uploads: OwnUploads, data: D
   for (const group of grouped(trees)) await send(await uploadOf(group), uploads);
 }
 
-/** Accepts uploads until the returned function is called. */
-export function acceptUploads(uploads: OwnUploads, data: DataFiles): () => void {
+export function acceptUploads(uploads: OwnUploads, data: DataFiles): void {
   const input = element<HTMLInputElement>("file");
   const curtain = element("drop");
-  const life = new AbortController();
-  const { signal } = life;
-  element("upload").addEventListener("click", () => input.click(), { signal });
+  element("upload").addEventListener("click", () => input.click());
   const sendAll = (files: readonly Chosen[]) => {
     void sendInTurn(files, uploads, data);
   };
@@ -50,31 +47,18 @@ export function acceptUploads(uploads: OwnUploads, data: DataFiles): () => void 
     sendAll(chosenFiles(input.files ?? [])); // copied, because clearing the input empties the list
     input.value = "";
   };
-  input.addEventListener("change", sendChosen, { signal });
+  input.addEventListener("change", sendChosen);
   sendChosen(); // files chosen before this script was loaded
-  addEventListener(
-    "dragover",
-    (event) => {
-      event.preventDefault();
-      curtain.hidden = false;
-    },
-    { signal },
-  );
-  addEventListener(
-    "dragleave",
-    (event) => {
-      if (event.relatedTarget === null) curtain.hidden = true;
-    },
-    { signal },
-  );
-  addEventListener(
-    "drop",
-    (event) => {
-      event.preventDefault();
-      curtain.hidden = true;
-      if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(sendAll);
-    },
-    { signal },
-  );
-  return () => life.abort();
+  addEventListener("dragover", (event) => {
+    event.preventDefault();
+    curtain.hidden = false;
+  });
+  addEventListener("dragleave", (event) => {
+    if (event.relatedTarget === null) curtain.hidden = true;
+  });
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    curtain.hidden = true;
+    if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(sendAll);
+  });
 }
