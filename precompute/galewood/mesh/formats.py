@@ -114,7 +114,7 @@ def detect_format(data: bytes, filename: str) -> str:
         return "glb"
     if re.match(rb"ply\s", data[:8]):
         return "ply"
-    if data.startswith((b"MATLAB ", qsm.HDF5)):
+    if data.startswith((b"MATLAB ", qsm.HDF5_HEADER)):
         return "treeqsm"
     if head.startswith(FBX_HEADERS):
         return "fbx"

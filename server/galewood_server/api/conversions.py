@@ -12,7 +12,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
 from galewood.conversion import convert_limited
 from galewood.inventory import InventoryReport, Stem
-from galewood.util import write_whole
+from galewood.util import write_atomically
 from galewood.wind import MeasurementReport
 from pydantic import BaseModel
 
@@ -100,4 +100,4 @@ def _read(service: Service, path: Path) -> tuple[bytes, Path]:
 
 
 def _write_converted(data: bytes, target: Path) -> None:
-    write_whole(target, convert_limited(data))
+    write_atomically(target, convert_limited(data))
