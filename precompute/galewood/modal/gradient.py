@@ -11,10 +11,10 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from galewood.constants import ISOTROPIC_DRAG
+from galewood.constants import ISOTROPIC_DRAG, MODAL_REACH
 from galewood.modal.drag import TINY_PA
 from galewood.modal.tensors import coupled_of
-from galewood.modal.terms import REACH, hold, write_sway
+from galewood.modal.terms import hold, write_sway
 from galewood.wind import pressure_per_speed, speed_of_pressure
 
 
@@ -33,12 +33,12 @@ def add_terms_gradient(
     write_sway(sway, v, free[1])
     pairs[:2], pairs[2] = free, pressure
     for i in range(3):
-        hold(pairs[i], REACH * limits[i])
+        hold(pairs[i], MODAL_REACH * limits[i])
     by_ahead = np.zeros((d, lanes))
     _add_sway_gradient(pairs, by_terms, 7 + 2 * coupled_of(limits), by_pairs)
     _add_coupled_gradient(pairs, ahead, v, limits, by_terms, by_pairs, by_ahead, by_v)
     for i in range(2):
-        _release(free[i], REACH * limits[i], by_pairs[i])
+        _release(free[i], MODAL_REACH * limits[i], by_pairs[i])
     for k in range(d):
         for lane in range(lanes):
             by_ahead[k, lane] += sway[0, k] * by_pairs[0, 0, lane] + sway[1, k] * by_pairs[0, 1, lane]
@@ -93,7 +93,7 @@ def _add_coupled_gradient(
     """Of the terms with a coupled coordinate or its speed: by those, and by the sway."""
     count = coupled_of(limits)
     for j in range(count):
-        far, fast = REACH * limits[3 + j], REACH * limits[3 + count + j]
+        far, fast = MODAL_REACH * limits[3 + j], MODAL_REACH * limits[3 + count + j]
         shape, moving = 7 + 2 * j, 7 + 2 * count + 37 + 4 * j
         for lane in range(pairs.shape[2]):
             x, y = pairs[0, 0, lane], pairs[0, 1, lane]
