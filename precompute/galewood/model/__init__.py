@@ -3,7 +3,7 @@
 from galewood.model.added_wood import in_added_wood
 from galewood.model.beam_tree import BeamModel, beam_model
 from galewood.model.comparison import gusty_pressure, trajectory_difference
-from galewood.model.construction import GRAVITY_M_S2, LumpedMassesLike, MeshLike, SkeletonLike, build_model
+from galewood.model.construction import GRAVITY_M_S2, build_model
 from galewood.model.effective_mass import (
     effective_masses,
     free_mass_kg,
@@ -19,9 +19,6 @@ __all__ = [
     "GRAVITY_M_S2",
     "BeamModel",
     "LumpedMasses",
-    "LumpedMassesLike",
-    "MeshLike",
-    "SkeletonLike",
     "TreeModel",
     "beam_model",
     "bind_foliage",

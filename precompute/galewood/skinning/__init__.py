@@ -33,7 +33,8 @@ from galewood.util import lazily
 if TYPE_CHECKING:
     from galewood.skinning.attached_pieces import with_attached_pieces
     from galewood.skinning.attachment import edge_samples
-    from galewood.skinning.axis import Axis, Bindings, axis_of_frame, axis_of_tets
+    from galewood.skinning.axis import Axis, axis_of_frame, axis_of_tets
+    from galewood.skinning.bindings import Bindings
     from galewood.skinning.distortion import Distortion, distortion_line
     from galewood.skinning.embedding import (
         LARGEST_RIGID_PIECE,
@@ -52,7 +53,7 @@ __getattr__ = lazily(
         "with_attached_pieces": "galewood.skinning.attached_pieces",
         "edge_samples": "galewood.skinning.attachment",
         "Axis": "galewood.skinning.axis",
-        "Bindings": "galewood.skinning.axis",
+        "Bindings": "galewood.skinning.bindings",
         "axis_of_frame": "galewood.skinning.axis",
         "axis_of_tets": "galewood.skinning.axis",
         "Distortion": "galewood.skinning.distortion",

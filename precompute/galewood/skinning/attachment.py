@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from galewood.mesh import RenderPrimitive, unique_edges
-from galewood.skinning.axis import Axis, Bindings
+from galewood.skinning.axis import Axis
+from galewood.skinning.bindings import Bindings
 from galewood.util import Floats, Ints
 
 SUPPORT_SAMPLES, PIECE_SAMPLES = 400, 200

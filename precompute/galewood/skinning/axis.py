@@ -1,4 +1,4 @@
-"""The axis of the branches as a model moves it, and the bindings of vertices to it.
+"""The axis of the branches as a model moves it.
 
 The axis is a tree of points with a displacement and a rotation each: those of the skeleton of the wood, or of
 the frame of beams. A vertex is bound to a link between two points, which move and turn it by linear weights.
@@ -6,7 +6,6 @@ the frame of beams. A vertex is bound to a link between two points, which move a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +15,7 @@ from scipy.spatial import KDTree
 
 from galewood.beams import Frame
 from galewood.skeleton import Skeleton
+from galewood.skinning.bindings import AxisPaths, Bindings
 from galewood.skinning.embedding import nearest_tets
 from galewood.tets import TetMesh
 from galewood.util import Floats, Ints
@@ -26,41 +26,6 @@ COMPARED_PLACES = 32
 """Nearest places that are compared by their distance from the bark."""
 AXIS_DISTANCE_WEIGHT = 0.1
 """Weight of the distance from the axis relative to that from the bark; decides among places inside wood."""
-
-
-@dataclass(frozen=True)
-class Bindings:
-    """Skinning weights of v vertices: each is bound to the link of the axis that ends at the point ``child``.
-
-    ``share`` (v,) is the weight of that point, 1 − share that of its parent. ``at_m`` (v, 3) is the place on
-    the link with these weights, about which the vertex turns; ``distance_m`` (v,) is the distance of what is
-    bound there from the bark.
-    """
-
-    child: Ints
-    share: Floats
-    at_m: Floats
-    distance_m: Floats
-
-    def take(self, index: Ints) -> Bindings:
-        """The bindings of some vertices (k,)."""
-        return Bindings(self.child[index], self.share[index], self.at_m[index], self.distance_m[index])
-
-    def replaced(self, index: Ints, by: Bindings) -> Bindings:
-        """The bindings with those of some vertices (k,) replaced by others (k,); all distances stay."""
-        child, share, at_m = self.child.copy(), self.share.copy(), self.at_m.copy()
-        child[index], share[index], at_m[index] = by.child, by.share, by.at_m
-        return Bindings(child, share, at_m, self.distance_m)
-
-    @staticmethod
-    def concatenated(parts: Sequence[Bindings]) -> Bindings:
-        """The bindings of several parts, one after the other."""
-        return Bindings(
-            np.concatenate([part.child for part in parts]),
-            np.concatenate([part.share for part in parts]),
-            np.concatenate([part.at_m for part in parts]),
-            np.concatenate([part.distance_m for part in parts]),
-        )
 
 
 @dataclass(frozen=True)
@@ -92,6 +57,11 @@ class Axis:
     def links(self) -> Ints:
         """(k,) points that have a parent."""
         return np.flatnonzero(self.parent >= 0)
+
+    @cached_property
+    def paths(self) -> AxisPaths:
+        """The paths from the roots to its points."""
+        return AxisPaths(self.points_m, np.asarray(self.parent, dtype=np.int64))
 
     def nearest(self, points_m: Floats) -> Bindings:
         """Bindings of points (v, 3) to the nearest places on the branches whose bark is nearest."""

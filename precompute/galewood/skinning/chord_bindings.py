@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
-from galewood.skinning.axis import Axis, Bindings
+from galewood.skinning.axis import Axis
+from galewood.skinning.bindings import Bindings
 from galewood.util import Floats, Ints
 
 FEWEST_VERTICES = 8

@@ -13,8 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.constants import TURN_ARM
-from galewood.skinning.axis import Axis, Bindings
+from galewood.skinning.axis import Axis
 from galewood.skinning.axis_simplification import AxisMotion, SimplifiedAxis, simplify_axis
+from galewood.skinning.bindings import Bindings
 from galewood.util import Floats, Ints
 
 MAX_NODES = 768

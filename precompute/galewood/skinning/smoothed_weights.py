@@ -14,8 +14,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from galewood.mesh import RenderPrimitive, TreeMesh
-from galewood.skinning.axis import Axis, Bindings
-from galewood.skinning.axis_paths import AxisPaths, axis_paths
+from galewood.skinning.axis import Axis
+from galewood.skinning.bindings import AxisPaths, Bindings
 from galewood.skinning.distortion import FIGURE_SWAY, farthest_poses
 from galewood.skinning.embedding import piece_size
 from galewood.skinning.skin import JOINTS_PER_LINK
@@ -79,10 +79,10 @@ def smoothed_weights(
     Some vertices ``fixed`` (k,) keep their bindings, such as those of a frond that touch the trunk.
     """
     tries = MAX_TRIES if len(welded.ends) < FEW_EDGES else 1
-    paths, is_fixed = axis_paths(axis), np.zeros(len(welded.place_m), bool)
+    is_fixed = np.zeros(len(welded.place_m), bool)
     is_fixed[fixed if fixed is not None else []] = True
     found = [
-        _smoothed(_Relaxation(welded, paths, poses, bindings, is_fixed), RELAXATION_SEED + number)
+        _smoothed(_Relaxation(welded, axis.paths, poses, bindings, is_fixed), RELAXATION_SEED + number)
         for number in range(tries)
     ]
     best = min(found, key=lambda mesh: float(mesh.ratio.max(initial=0.0)))

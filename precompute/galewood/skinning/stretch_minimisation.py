@@ -14,7 +14,7 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 
 from galewood.skinning.axis import Axis
-from galewood.skinning.axis_paths import AxisPaths
+from galewood.skinning.bindings import AxisPaths
 from galewood.skinning.node_pose import limit_stretch, turned
 from galewood.util import Floats, Ints
 

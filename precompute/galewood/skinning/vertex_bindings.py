@@ -15,7 +15,8 @@ import numpy as np
 
 from galewood.mesh import KINDS, RenderPrimitive, TreeMesh, arms_of
 from galewood.skinning.attachment import PIECE_SAMPLES, SUPPORT_SAMPLES, Supports, edge_samples
-from galewood.skinning.axis import Axis, Bindings
+from galewood.skinning.axis import Axis
+from galewood.skinning.bindings import Bindings
 from galewood.skinning.chord_bindings import chord_bindings
 from galewood.skinning.embedding import as_stored, foliage_pieces, piece_size
 from galewood.skinning.wood_bindings import wood_bindings

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from galewood.mesh import RenderPrimitive, unique_edges
-from galewood.skinning.axis import Axis, Bindings
-from galewood.skinning.axis_paths import AxisPaths, axis_paths
+from galewood.skinning.axis import Axis
+from galewood.skinning.bindings import Bindings
 from galewood.util import Floats, Ints
 
 AVERAGING_ROUNDS = 4
@@ -86,10 +86,10 @@ def _ring_middles(wood: WeldedPrimitive) -> Floats:
 
 def limited_slope(bindings: Bindings, place_m: Floats, ends: Ints, axis: Axis) -> Bindings:
     """The bindings of vertices (v,) at place_m (v, 3), near to those of the other ends of edges (e, 2)."""
-    paths = axis_paths(axis)
+    paths = axis.paths
     child, arc = paths.places(bindings)
     most = _largest_distance_m(child, place_m, ends, axis)
-    kept = _of_one_fork(child, arc, ends, most, paths, axis)
+    kept = _of_one_fork(child, arc, ends, most, axis)
     ends, most = ends[kept], most[kept]
     for _ in range(SLOPE_SWEEPS):
         first, second = arc[ends[:, 0]], arc[ends[:, 1]]
@@ -113,13 +113,11 @@ def _largest_distance_m(child: Ints, place_m: Floats, ends: Ints, axis: Axis) ->
     return SLOPE_ALONG * lengthwise + SLOPE_AROUND * length
 
 
-def _of_one_fork(
-    child: Ints, arc: Floats, ends: Ints, most: Floats, paths: AxisPaths, axis: Axis
-) -> np.ndarray:
+def _of_one_fork(child: Ints, arc: Floats, ends: Ints, most: Floats, axis: Axis) -> np.ndarray:
     """(e,) whether the bindings of edges meet in a fork nearby; limbs grown together meet far below."""
     first, second = arc[ends[:, 0]], arc[ends[:, 1]]
-    fork, together = paths.fork_m(child[ends[:, 0]], first, child[ends[:, 1]], second)
-    radius_m = axis.radius_m[paths.common_ancestors(child[ends[:, 0]], child[ends[:, 1]])]
+    fork, together = axis.paths.fork_m(child[ends[:, 0]], first, child[ends[:, 1]], second)
+    radius_m = axis.radius_m[axis.paths.common_ancestors(child[ends[:, 0]], child[ends[:, 1]])]
     return together & (first + second - 2 * fork < FORK_REACH * radius_m + most)
 
 

@@ -7,7 +7,6 @@ import pytest
 from galewood.mesh.types import RenderPrimitive
 from galewood.skinning import Axis, Bindings
 from galewood.skinning import smoothed_weights as smoothing
-from galewood.skinning.axis_paths import axis_paths
 from galewood.skinning.smoothed_weights import smoothed_weights
 from galewood.skinning.stretch_minimisation import AxisPoses, posed_positions
 from galewood.skinning.wood_bindings import welded_primitive, wood_bindings
@@ -17,7 +16,7 @@ from tests.precompute.skinning.poles import bent, flared, pole, pole_wood
 
 def longest_stretch(wood: RenderPrimitive, bindings: Bindings, axis: Axis, poses: AxisPoses) -> float:
     """The longest edge over its length at rest; ``bindings`` are those of the welded vertices."""
-    welded, paths = welded_primitive(wood), axis_paths(axis)
+    welded, paths = welded_primitive(wood), axis.paths
     now = posed_positions(welded.place_m, *paths.places(bindings), paths, poses)
     apart = np.linalg.norm(now[welded.ends[:, 0]] - now[welded.ends[:, 1]], axis=2)
     return float((apart / np.sqrt(welded.squared_m2)[:, None]).max())
@@ -60,7 +59,7 @@ def test_fixed_vertices_keep_their_bindings(monkeypatch) -> None:
     monkeypatch.setattr(smoothing, "TRIES", 1)
     axis, wood, poses = flared()
     welded = welded_primitive(wood)
-    paths = axis_paths(axis)
+    paths = axis.paths
     nearest = axis.nearest(welded.place_m)
     initial = paths.bindings(*paths.places(nearest), np.zeros(len(welded.place_m)))
     fixed = np.arange(0, len(welded.place_m), 3)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from galewood.skinning.axis_paths import axis_paths
 from galewood.skinning.stretch_minimisation import EdgeMesh, StretchMinimisation
 from galewood.skinning.wood_bindings import welded_primitive
 
@@ -15,7 +14,7 @@ SEED = 11
 
 def test_the_gradient_of_the_cost_is_that_of_differences() -> None:
     axis, wood, poses = flared()
-    welded, paths = welded_primitive(wood), axis_paths(axis)
+    welded, paths = welded_primitive(wood), axis.paths
     mesh = EdgeMesh(welded.place_m, welded.ends, np.sqrt(welded.squared_m2))
     child, arc = paths.places(axis.nearest(mesh.place_m))
     arc = np.clip(arc, 0.06, 5.9) + 1e-3 * np.random.default_rng(SEED).random(len(arc))

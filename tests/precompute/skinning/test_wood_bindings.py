@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from galewood.skinning import Axis, Bindings
-from galewood.skinning.axis_paths import axis_paths
 from galewood.skinning.wood_bindings import limited_slope, wood_bindings
 from galewood.util import Floats, Ints
 
@@ -33,9 +32,8 @@ def fork() -> tuple[Axis, Floats, Ints, Bindings]:
 
 def test_neighbours_on_two_limbs_are_bound_near_their_fork() -> None:
     axis, place, ends, bindings = fork()
-    paths = axis_paths(axis)
     before = np.linalg.norm(np.diff(bindings.at_m, axis=0))
-    _, arc = paths.places(limited_slope(bindings, place, ends, axis))
+    _, arc = axis.paths.places(limited_slope(bindings, place, ends, axis))
     assert before > 0.1
     assert float((arc - 1.0).sum()) < 1.4 * 0.05 + 1e-6, "the path is hardly longer than the edge"
     assert (arc >= 1.0 - 1e-9).all(), "no binding is moved farther than to the fork"

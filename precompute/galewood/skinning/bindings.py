@@ -1,14 +1,49 @@
-"""Arc lengths along the axis, a tree: where bindings lie, where the paths to two of them part."""
+"""Bindings of vertices to the axis, and arc lengths along it: where bindings lie, where their paths part."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from galewood.skinning.axis import Axis, Bindings
 from galewood.util import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Bindings:
+    """Skinning weights of v vertices: each is bound to the link of the axis that ends at the point ``child``.
+
+    ``share`` (v,) is the weight of that point, 1 − share that of its parent. ``at_m`` (v, 3) is the place on
+    the link with these weights, about which the vertex turns; ``distance_m`` (v,) is the distance of what is
+    bound there from the bark.
+    """
+
+    child: Ints
+    share: Floats
+    at_m: Floats
+    distance_m: Floats
+
+    def take(self, index: Ints) -> Bindings:
+        """The bindings of some vertices (k,)."""
+        return Bindings(self.child[index], self.share[index], self.at_m[index], self.distance_m[index])
+
+    def replaced(self, index: Ints, by: Bindings) -> Bindings:
+        """The bindings with those of some vertices (k,) replaced by others (k,); all distances stay."""
+        child, share, at_m = self.child.copy(), self.share.copy(), self.at_m.copy()
+        child[index], share[index], at_m[index] = by.child, by.share, by.at_m
+        return Bindings(child, share, at_m, self.distance_m)
+
+    @staticmethod
+    def concatenated(parts: Sequence[Bindings]) -> Bindings:
+        """The bindings of several parts, one after the other."""
+        return Bindings(
+            np.concatenate([part.child for part in parts]),
+            np.concatenate([part.share for part in parts]),
+            np.concatenate([part.at_m for part in parts]),
+            np.concatenate([part.distance_m for part in parts]),
+        )
 
 
 @dataclass(frozen=True)
@@ -132,8 +167,3 @@ class AxisPaths:
         meet = self.common_ancestors(one, other)
         line = (meet == one) | (meet == other)
         return np.where(line, np.minimum(first, second), self.arc_m[meet]), meet >= 0
-
-
-def axis_paths(axis: Axis) -> AxisPaths:
-    """The paths along an axis."""
-    return AxisPaths(axis.points_m, np.asarray(axis.parent, dtype=np.int64))

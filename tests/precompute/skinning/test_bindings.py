@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from galewood.skinning import Bindings
-from galewood.skinning.axis_paths import AxisPaths
+from galewood.skinning.bindings import AxisPaths, Bindings
 
 from tests.precompute.skinning.poles import path_to_root
 
