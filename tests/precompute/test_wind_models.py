@@ -36,7 +36,7 @@ from galewood.wind.evaluation import (
 from galewood.wind.models.cosine import cos_turns
 from galewood.wind.models.fourier import roots_of_unity, transform_columns, transform_rows
 from galewood.wind.models.perlin import SLOPES, noise, permutation
-from galewood.wind.recording import STILL
+from galewood.wind.recording import EMPTY_RECORDING
 from galewood.wind.schema import wind_schema
 
 from tests.golden import make_wind
@@ -92,7 +92,7 @@ def test_range_limits_are_inclusive() -> None:
         own: dict[str, Field] = {name: rule for name, rule in FIELDS.items() if model in rule.models}
         for end in ("low", "high"):
             numbers = {name: getattr(rule, end) for name, rule in own.items()}
-            lists = {"recording": STILL.document()} if model == "recorded" else {}
+            lists = {"recording": EMPTY_RECORDING.document()} if model == "recorded" else {}
             parse_wind({"version": 1, "model": model, **numbers, **lists})
 
 

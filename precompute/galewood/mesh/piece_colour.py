@@ -21,7 +21,7 @@ LARGEST_SIDE = 1024  # pixels; larger images are reduced first: a face covers ma
 BATCH_FACES = 1 << 16  # faces per batch
 CLAMP_TO_EDGE, MIRRORED_REPEAT = 33071, 33648
 # ten points inside a triangle, as weights of its corners
-WEIGHTS = np.array(
+POINT_WEIGHTS = np.array(
     [(i, j, 3 - i - j) for i in range(4) for j in range(4 - i)], dtype=np.float64
 ) * 0.84 / 3 + 0.16 / 3  # fmt: skip
 
@@ -76,7 +76,7 @@ def _sampled(part: RawPart) -> tuple[Floats, Floats] | None:
     light, holes = np.empty((len(part.faces), 3)), np.empty(len(part.faces))
     for start in range(0, len(part.faces), BATCH_FACES):
         rows = slice(start, start + BATCH_FACES)
-        points = np.einsum("sk,mkc->msc", WEIGHTS, uv[part.faces[rows]])
+        points = np.einsum("sk,mkc->msc", POINT_WEIGHTS, uv[part.faces[rows]])
         found = pixels[_index(points[..., 1], len(pixels), sampler.get("wrapT")),
                        _index(points[..., 0], pixels.shape[1], sampler.get("wrapS"))]  # fmt: skip
         solid = found[..., 3] >= cutoff

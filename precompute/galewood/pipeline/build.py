@@ -24,7 +24,7 @@ from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.assemble import DefaultPart
 from galewood.pipeline.compliance_file import compliance_file
 from galewood.pipeline.from_beams import beam_table
-from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
+from galewood.pipeline.options import FURTHER_RUNS_MESSAGE, BuildOptions, BuildResult, Progress, Stages
 from galewood.pipeline.report import bears_leaves, build_report
 from galewood.pipeline.stiffness import goal_of, scaled_to
 from galewood.pipeline.surface import RenderMesh, render_mesh
@@ -237,7 +237,9 @@ def _default(
     early = partial(artefacts.publish, "early.table", lambda: encode(builder.early(samples)))
     simulate(samples, run, stages.report, early)
     stages.enter("table")
-    further = partial(samples.further_runs, run, lambda share: stages.report(0.8 * share, FURTHER))
+    further = partial(
+        samples.further_runs, run, lambda share: stages.report(0.8 * share, FURTHER_RUNS_MESSAGE)
+    )
     return builder.default(samples, further)
 
 
@@ -267,7 +269,9 @@ def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: 
     bare = replace(builder, model=model, wind=wind, options=options)
     samples = _planned(bare, solid, on)
     simulate(samples, run, lambda share: on.stages.report(0.7 * share), lambda: None)
-    further = partial(samples.further_runs, run, lambda share: on.stages.report(0.7 + 0.2 * share, FURTHER))
+    further = partial(
+        samples.further_runs, run, lambda share: on.stages.report(0.7 + 0.2 * share, FURTHER_RUNS_MESSAGE)
+    )
     table = bare.default(samples, further).table
     made = replace(solid, lumped=lumped).with_model(model)
     report = build_report(solid.tree, made, wind, table, None, None, on.stages)

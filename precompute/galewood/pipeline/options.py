@@ -42,7 +42,7 @@ MESSAGES: dict[Stage, str] = {
     "bare": "Computing the table of the tree without its leaves",
     "done": "Done",
 }
-FURTHER = "Computing additional training runs for large bending"
+FURTHER_RUNS_MESSAGE = "Computing additional training runs for large bending"
 """Message of the table stage while additional training runs are simulated."""
 
 

@@ -25,7 +25,7 @@ from galewood.wind.fields import (
     object_at,
     refuse_unknown,
 )
-from galewood.wind.recording import STILL, Recording, recording_at
+from galewood.wind.recording import EMPTY_RECORDING, Recording, recording_at
 
 FIELDS = {name: Field(**field) for name, field in WIND_FIELDS.items()}
 """Numbers of a wind document."""
@@ -62,7 +62,7 @@ class Wind:
     reference_height_m: float = WIND_FIELDS["reference_height_m"]["default"]
     heading_swing_deg: float = WIND_FIELDS["heading_swing_deg"]["default"]
     waves: tuple[Wave, ...] = field(default=DEFAULT_WAVES)
-    recording: Recording = STILL
+    recording: Recording = EMPTY_RECORDING
     """The measured fluctuations; model recorded only."""
 
     def document(self) -> dict[str, object]:

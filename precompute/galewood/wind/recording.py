@@ -47,7 +47,7 @@ class Recording:
         return counts.astype(np.float64) * self.unit
 
 
-STILL = Recording(**STILL_RECORDING)
+EMPTY_RECORDING = Recording(**STILL_RECORDING)
 
 
 def quantised(fluctuations: npt.ArrayLike, interval_s: float) -> Recording:

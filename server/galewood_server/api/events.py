@@ -25,7 +25,7 @@ from galewood_server.context import Service, ServiceDep, service_of
 from galewood_server.http import EVENT_STREAM, JobOut, ProblemError
 from galewood_server.jobs import find_job
 from galewood_server.storage import (
-    ACTIVE,
+    ACTIVE_STATES,
     TREE_FIELDS,
     Job,
     JobState,
@@ -284,7 +284,7 @@ async def follow_job(feed: ChangeFeed, read: Callable[[], Value]) -> AsyncIterat
     with feed.subscribe() as buffer:
         job = await asyncio.to_thread(read)  # after subscribing, so that no change is missed
         yield ServerSentEvent(job.model_dump_json(), event="progress")
-        while job.state in ACTIVE:
+        while job.state in ACTIVE_STATES:
             events = await buffer.take()
             if not events:
                 return

@@ -14,7 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import Health, Liveness, Readiness
-from galewood_server.storage import ACTIVE, Job, Tree
+from galewood_server.storage import ACTIVE_STATES, Job, Tree
 
 router = APIRouter(tags=["service"])
 VERSION = version("galewood")
@@ -31,7 +31,7 @@ def healthz(service: ServiceDep) -> Health:
             version=VERSION,
             trees=session.scalar(select(func.count(Tree.id))) or 0,
             ready=session.scalar(select(func.count(Tree.id)).where(Tree.table_sha256.is_not(None))) or 0,
-            jobs_active=session.scalar(select(func.count(Job.id)).where(Job.state.in_(ACTIVE))) or 0,
+            jobs_active=session.scalar(select(func.count(Job.id)).where(Job.state.in_(ACTIVE_STATES))) or 0,
             sockets=service.sockets,
         )
 

@@ -37,7 +37,7 @@ from galewood_server.http import (
 )
 from galewood_server.jobs import queue_job
 from galewood_server.storage import (
-    ACTIVE,
+    ACTIVE_STATES,
     TREE_FIELDS,
     FileStore,
     Job,
@@ -152,7 +152,7 @@ def delete_tree(tree_id: str, service: ServiceDep) -> Response:
             raise ProblemError(
                 403, "builtin-tree", "Built-in trees cannot be deleted", hint="Only uploads can be deleted."
             )
-        active = select(Job.id).where(Job.tree_id == tree_id, Job.state.in_(ACTIVE))
+        active = select(Job.id).where(Job.tree_id == tree_id, Job.state.in_(ACTIVE_STATES))
         if session.execute(active).first():
             raise ProblemError(
                 409, "still-building", "This tree is being computed", hint="Cancel its job first."

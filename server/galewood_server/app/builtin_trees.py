@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 from galewood_server.app import shipped_trees
 from galewood_server.context import Service
 from galewood_server.jobs import fingerprint, queue_job
-from galewood_server.storage import ACTIVE, Form, Tree, lock_transaction, readable
+from galewood_server.storage import ACTIVE_STATES, Form, Tree, lock_transaction, readable
 
 log = logging.getLogger("galewood.builtin_trees")
 REGISTRATION_LOCK_KEY = 0x67616C66
@@ -70,7 +70,8 @@ def _queue_outdated_uploads(service: Service) -> None:
             stale = tree.fingerprint != fingerprint(tree.source_sha256, tree.options, settings)
             # a build that failed with this version is not repeated at every start
             tried = tree.job is not None and (
-                tree.job.state in ACTIVE or (tree.job.settings == settings and tree.job.state != "done")
+                tree.job.state in ACTIVE_STATES
+                or (tree.job.settings == settings and tree.job.state != "done")
             )
             if stale and not tried:
                 queue_job(session, tree, settings)
@@ -91,7 +92,7 @@ def _register(service: Service, entry: BuiltinTree) -> None:
         if shipped:
             shipped_trees.install(session, service, tree, shipped, current)
             log.info("%s: its table is shipped", entry.name)
-        elif tree.job is None or tree.job.state not in ACTIVE:
+        elif tree.job is None or tree.job.state not in ACTIVE_STATES:
             queue_job(session, tree, {})
             log.info("queued %s to be computed", entry.name)
 

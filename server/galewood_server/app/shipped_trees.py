@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from galewood_server.context import Service
 from galewood_server.jobs import request_cancel
 from galewood_server.storage import (
-    ACTIVE,
+    ACTIVE_STATES,
     FILE_COLUMNS,
     Job,
     Tree,
@@ -30,7 +30,7 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
     tets = service.settings.cache_dir / "tets" / shipped.tets_name
     if not tets.exists():
         write_atomically(tets, shipped.tets)
-    if tree.job and tree.job.state in ACTIVE:
+    if tree.job and tree.job.state in ACTIVE_STATES:
         request_cancel(session, tree.job)
     files = {
         "table_sha256": shipped.table,

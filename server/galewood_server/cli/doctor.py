@@ -19,7 +19,7 @@ from sqlalchemy.orm import Session
 from galewood_server.access import stored_bytes
 from galewood_server.settings import Settings
 from galewood_server.storage import (
-    ACTIVE,
+    ACTIVE_STATES,
     FILE_COLUMNS,
     PREFERRED_CODINGS,
     STORE_NAMES,
@@ -197,7 +197,7 @@ def _remove_stale_copies(settings: Settings, stores: Stores, repair: bool) -> No
 
 
 def _jobs(session: Session) -> Iterator[Finding]:
-    counted = select(Job.state, func.count()).where(Job.state.in_(ACTIVE)).group_by(Job.state)
+    counted = select(Job.state, func.count()).where(Job.state.in_(ACTIVE_STATES)).group_by(Job.state)
     for state, count in session.execute(counted).tuples():
         yield Finding("jobs", f"{count} {state}; a running server will resume them")
 

@@ -7,12 +7,12 @@ from typing import Any
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from galewood_server.storage import ACTIVE, Job, JobKind, Tree, utc_now
+from galewood_server.storage import ACTIVE_STATES, Job, JobKind, Tree, utc_now
 
 
 def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
     """Queue a build of a tree's table. ProblemError 409 if one is already queued or running."""
-    if tree.job and tree.job.state in ACTIVE:
+    if tree.job and tree.job.state in ACTIVE_STATES:
         from galewood_server.http import ProblemError  # loads FastAPI, which job processes do not need
 
         raise ProblemError(
@@ -50,7 +50,7 @@ def end_job(
         "seconds_left": None,
         "updated_at": utc_now(),
     }
-    active = update(Job).where(Job.id == job_id, Job.state.in_(ACTIVE))
+    active = update(Job).where(Job.id == job_id, Job.state.in_(ACTIVE_STATES))
     if lease is not None:
         active = active.where(Job.lease == lease)
     return session.scalar(active.values(**values, **more).returning(Job.id)) is not None

@@ -28,7 +28,7 @@ from galewood_server.storage.garbage import (
     store_referenced,
 )
 from galewood_server.storage.models import (
-    ACTIVE,
+    ACTIVE_STATES,
     Form,
     Garbage,
     Job,
@@ -56,7 +56,7 @@ from galewood_server.storage.stores import CONTENT_OF_STORE, STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
 
 __all__ = [
-    "ACTIVE",
+    "ACTIVE_STATES",
     "ANALYSIS_INPUTS",
     "CONTENT_OF_STORE",
     "FILE_COLUMNS",

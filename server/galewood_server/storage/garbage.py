@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from galewood_server.storage.database import Sessions, database_now
 from galewood_server.storage.files import is_hash
-from galewood_server.storage.models import ACTIVE, Garbage, Job, JobKind, Tree
+from galewood_server.storage.models import ACTIVE_STATES, Garbage, Job, JobKind, Tree
 from galewood_server.storage.raw_rows import raw_column
 from galewood_server.storage.stores import Stores
 
@@ -93,7 +93,7 @@ def picture_hashes(stored: object) -> set[str]:
 
 def forget_old_analyses(session: Session, tree: Tree, kind: JobKind) -> None:
     """Delete all but the newest KEPT_ANALYSES ended analyses of a kind."""
-    ended = [job for job in tree.jobs if job.kind == kind and job.state not in ACTIVE]
+    ended = [job for job in tree.jobs if job.kind == kind and job.state not in ACTIVE_STATES]
     for job in ended[:-KEPT_ANALYSES]:
         _mark_files(session, job.result_sha256, job.pictures.values())
         tree.jobs.remove(job)
@@ -119,7 +119,9 @@ def referenced_files(session: Session) -> dict[str, set[str]]:
 
 def files_in_use(session: Session) -> set[str]:
     """Hashes of the input files of active analyses."""
-    settings = session.scalars(select(Job.settings).where(Job.state.in_(ACTIVE), Job.kind != "build")).all()
+    settings = session.scalars(
+        select(Job.settings).where(Job.state.in_(ACTIVE_STATES), Job.kind != "build")
+    ).all()
     return {str(one[field]) for one in settings for field in ANALYSIS_INPUTS if one.get(field)}
 
 
@@ -146,7 +148,7 @@ def forget_analysis_folders(sessions: Sessions, folder: Path) -> None:
     kept = [path for path in folder.glob("*") if path.is_dir()]
     if kept:
         with sessions() as session:
-            active = set(session.scalars(select(Job.id).where(Job.state.in_(ACTIVE))))
+            active = set(session.scalars(select(Job.id).where(Job.state.in_(ACTIVE_STATES))))
         for path in kept:
             if path.name not in active:
                 shutil.rmtree(path, ignore_errors=True)

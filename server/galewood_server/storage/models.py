@@ -14,7 +14,7 @@ Form = Literal["open", "forest"]
 TreeState = Literal["uploaded", "building", "preliminary", "ready", "failed"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 JobKind = Literal["build", "comparison", "evaluation"]
-ACTIVE: tuple[JobState, ...] = ("queued", "running")
+ACTIVE_STATES: tuple[JobState, ...] = ("queued", "running")
 
 
 def utc_now() -> datetime:
@@ -31,7 +31,7 @@ def tree_state(table_sha256: object, preliminary: object, job_state: object) -> 
     """The state of a tree with this table and this state of its newest build job; None: there is none."""
     if table_sha256:
         return "preliminary" if preliminary else "ready"
-    if job_state in ACTIVE:
+    if job_state in ACTIVE_STATES:
         return "building"
     return "failed" if job_state == "failed" else "uploaded"
 

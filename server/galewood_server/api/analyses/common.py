@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from galewood_server.api.files.artefacts import IMMUTABLE_CACHE
 from galewood_server.http import ProblemError, etag_matches, not_found
-from galewood_server.storage import ACTIVE, ANALYSIS_INPUTS, FileStore, Job, JobKind, JobState, Tree
+from galewood_server.storage import ACTIVE_STATES, ANALYSIS_INPUTS, FileStore, Job, JobKind, JobState, Tree
 
 MAX_ACTIVE = 8
 
@@ -59,7 +59,7 @@ def analysis_settings(tree: Tree, request: dict[str, Any]) -> dict[str, Any]:
 
 def check_queue_length(session: Session, kind: JobKind) -> None:
     """Raise ProblemError 429 if too many jobs of a kind are queued or running."""
-    waiting = select(func.count(Job.id)).where(Job.kind == kind, Job.state.in_(ACTIVE))
+    waiting = select(func.count(Job.id)).where(Job.kind == kind, Job.state.in_(ACTIVE_STATES))
     if (session.scalar(waiting) or 0) >= MAX_ACTIVE:
         title, hint = f"Too many {kind}s are queued", "Wait until one has finished, or cancel one."
         raise ProblemError(429, f"too-many-{kind}s", title, hint=hint)

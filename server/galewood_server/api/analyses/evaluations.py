@@ -30,7 +30,7 @@ from galewood_server.http import (
     serialisable,
 )
 from galewood_server.jobs import PLOT_FILE, add_job, find_job, request_cancel
-from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
+from galewood_server.storage import ACTIVE_STATES, Job, Tree, forget_old_analyses
 
 router = APIRouter(prefix="/api", tags=["evaluations"])
 JSON_CONTENT: dict[str, Any] = {"application/json": {"schema": {"type": "object"}}}
@@ -121,7 +121,7 @@ def _find_same(tree: Tree, settings: dict[str, Any]) -> Job | None:
         (
             job
             for job in reversed(tree.jobs)
-            if job.kind == "evaluation" and job.settings == settings and job.state in (*ACTIVE, "done")
+            if job.kind == "evaluation" and job.settings == settings and job.state in (*ACTIVE_STATES, "done")
             and not job.cancel_requested
         ),
         None,
