@@ -5,14 +5,12 @@ from galewood.inventory.errors import InventoryError
 from galewood.inventory.projection import local_m
 from galewood.inventory.reading import Inventory, Stem, read_inventory
 from galewood.inventory.report import InventoryReport
-from galewood.inventory.species import BUILTIN_SPECIES, Match, match_species
+from galewood.inventory.species import match_species
 
 __all__ = [
-    "BUILTIN_SPECIES",
     "Inventory",
     "InventoryError",
     "InventoryReport",
-    "Match",
     "Stem",
     "is_inventory",
     "local_m",

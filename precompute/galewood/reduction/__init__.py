@@ -1,20 +1,17 @@
 """Model order reduction; in: training runs; out: POD basis, fitted modal model."""
 
 from galewood.reduction.gust_layer import GustModes, gust_modes, gust_range
-from galewood.reduction.linear import LinearMotion, linear_motion
+from galewood.reduction.linear import linear_motion
 from galewood.reduction.oscillators import Exposure, Oscillators, oscillators_of
-from galewood.reduction.pod import QuantisedMotion, Subspace, quantise, quantum
-from galewood.reduction.training import Fitted, ModalTraining, fit_smallest, output_modes, size_of, sizes_for
+from galewood.reduction.pod import Subspace, quantise, quantum
+from galewood.reduction.training import ModalTraining, fit_smallest, output_modes, size_of, sizes_for
 from galewood.reduction.wind_scale import TrainingWinds, training_winds
 
 __all__ = [
     "Exposure",
-    "Fitted",
     "GustModes",
-    "LinearMotion",
     "ModalTraining",
     "Oscillators",
-    "QuantisedMotion",
     "Subspace",
     "TrainingWinds",
     "fit_smallest",

@@ -1,7 +1,7 @@
 """The table file format: encodes a Table to bytes and decodes it again; the paper's records are optional."""
 
 from galewood.table.compliance import Compliance, decode_compliance, encode_compliance
-from galewood.table.container import Foliage, Metadata, TableError, foliage_of, read_metadata
+from galewood.table.container import Foliage, Metadata, TableError, read_metadata
 from galewood.table.format import Table, decode, encode, with_records, without_gusts
 from galewood.table.records import Records, encode_records
 
@@ -17,7 +17,6 @@ __all__ = [
     "encode",
     "encode_compliance",
     "encode_records",
-    "foliage_of",
     "read_metadata",
     "with_records",
     "without_gusts",

@@ -67,11 +67,6 @@ class WoodDocument(BaseModel):
         return replace(base, **given)
 
 
-def read_wood(text: str | bytes) -> Wood:
-    """The wood of a JSON document. Raises WoodError with every invalid field."""
-    return read_wood_document(text).wood()
-
-
 def read_wood_document(text: str | bytes) -> WoodDocument:
     """Parse a JSON document. Raises WoodError with every invalid field."""
     try:

@@ -11,10 +11,10 @@ from galewood_server.stream.session_error import (
     UNSUPPORTED_DATA,
     SessionError,
 )
-from galewood_server.stream.socket_protocol import SocketProtocol, metered_protocol, protocol_of
+from galewood_server.stream.socket_protocol import metered_protocol, protocol_of
 from galewood_server.stream.warming import warm_up
 from galewood_server.stream.wire import Failure, Hello, Reply, decode_reply, encode_request
-from galewood_server.stream.wire_forest import Forest, Method
+from galewood_server.stream.wire_forest import Forest
 
 __all__ = [
     "INVALID_DATA",
@@ -25,11 +25,9 @@ __all__ = [
     "Forest",
     "Forests",
     "Hello",
-    "Method",
     "Reply",
     "SessionError",
     "SocketLimits",
-    "SocketProtocol",
     "Subscription",
     "WireError",
     "decode_reply",
