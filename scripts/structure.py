@@ -5,15 +5,18 @@
   limit is listed here by name, with the number that it must not exceed; an entry that is no longer needed
   fails as well, so the lists only become shorter.
 - What a Python package exports in ``__all__``, another one imports. (vulture finds what nobody uses at all.)
+- The name of a module's constant has two words, such as MAX_ROUNDS; one that lists things may be a plural.
 """
 
 from __future__ import annotations
 
 import ast
 import os
+import re
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
+from itertools import zip_longest
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -29,7 +32,18 @@ MOST_FILES = 15
 CROWDED_FOLDERS: dict[str, int] = {}
 
 MOST_PARAMETERS = 9
-LONG_SIGNATURES: dict[str, int] = {}
+LONG_SIGNATURES: dict[str, int] = {
+    # kernels of the finite elements: a change of their compiled code could change the last bits of results
+    "precompute/galewood/fem/assembly.py:_assemble10": 20,
+    "precompute/galewood/fem/linear_batches.py:_assemble": 14,
+}
+
+
+CONSTANT_ROOTS = ("precompute", "server", "scripts", "tools", "web")
+CLEAR_NAMES = {"FORMAT", "JIT", "MAGIC", "PACKAGE", "REPOSITORY", "ROOT", "SIOCOUTQNSD", "VERSION"}
+"""Constants of one word that say what they are."""
+TYPESCRIPT_CONSTANT = re.compile(r"^(?:export )?const ([A-Z][A-Z0-9]*)\b(?:: [^=]*)? = ?(.*)$", re.MULTILINE)
+NUMBER_PATTERN = re.compile(r"[-+(]*(?:\d|Math\.|[A-Z][A-Z_0-9]* [-+*/%])")
 
 
 def sources(root: Path) -> Iterator[Path]:
@@ -108,6 +122,54 @@ def _all_of(module: ast.Module) -> list[str]:
     return []
 
 
+def vague_constants(root: Path, modules: Mapping[Path, ast.Module]) -> list[str]:
+    """A sentence for each module constant of one word that is a number or no plural."""
+    constants = {path: list(_python_constants(module)) for path, module in modules.items()}
+    for path in sources(root):
+        if path.suffix == ".ts":
+            found = TYPESCRIPT_CONSTANT.findall(path.read_text(encoding="utf-8"))
+            constants[path.relative_to(root)] = [
+                (name, bool(NUMBER_PATTERN.match(text))) for name, text in found
+            ]
+    return [
+        f"{path.as_posix()}: {name} is one word: say what it holds, and in which unit"
+        for path, names in constants.items()
+        if path.parts[0] in CONSTANT_ROOTS
+        for name, is_number in names
+        if name not in CLEAR_NAMES and (is_number or not name.endswith("S"))
+    ]
+
+
+def _python_constants(module: ast.Module) -> Iterator[tuple[str, bool]]:
+    """Names of one word that a module assigns, and whether a number is assigned."""
+    for node in module.body:
+        if isinstance(node, ast.Assign):
+            targets, assigned = node.targets, node.value
+        elif isinstance(node, ast.AnnAssign) and node.value is not None:
+            targets, assigned = [node.target], node.value
+        else:
+            continue
+        for target in targets:
+            names = target.elts if isinstance(target, ast.Tuple) else [target]
+            values = (
+                assigned.elts
+                if isinstance(target, ast.Tuple) and isinstance(assigned, ast.Tuple)
+                else [assigned]
+            )
+            for name, value in zip_longest(names, values[: len(names)]):
+                if isinstance(name, ast.Name) and re.fullmatch("[A-Z][A-Z0-9]*", name.id):
+                    yield name.id, _is_number(value)
+
+
+def _is_number(value: ast.expr | None) -> bool:
+    """Whether an expression is a number, or computed from one."""
+    if isinstance(value, ast.BinOp):
+        return _is_number(value.left) or _is_number(value.right)
+    if isinstance(value, ast.UnaryOp):
+        return _is_number(value.operand)
+    return isinstance(value, ast.Constant) and type(value.value) in (int, float)
+
+
 def problems(what: str, found: Mapping[str, int], most: int, known: Mapping[str, int]) -> list[str]:
     """A sentence for each number above the limit or that of its known exception, and for each idle entry."""
     too_many = [
@@ -129,6 +191,7 @@ def main(root: Path) -> int:
     found = problems("source files", files_by_folder(root), MOST_FILES, CROWDED_FOLDERS)
     found += problems("parameters", parameters_by_function(modules), MOST_PARAMETERS, LONG_SIGNATURES)
     found += unused_exports(modules)
+    found += vague_constants(root, modules)
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 

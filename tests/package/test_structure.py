@@ -96,6 +96,36 @@ def test_an_exception_that_is_not_needed_is_found(tmp_path: Path) -> None:
     ]
 
 
+# ---- names --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "names"),
+    [
+        ("server/planted.py", "SLENDER = 2.2\n", ["SLENDER"]),
+        ("server/planted.py", "ROUNDS: int = 6\nMAX_ROUNDS = 6\n", ["ROUNDS"]),
+        ("scripts/planted.py", "LEAST, MOST_M = 1 << 4, 0.9\nHINT = 'Export it again.'\n", ["LEAST", "HINT"]),
+        ("precompute/planted.py", "AXES = ('x', 'y')\nVERSION = 1\ndef f():\n    MOST = 1\n", []),
+        (
+            "web/src/planted.ts",
+            "const SLENDER = 0.009;\nexport const TURN = 2 * Math.PI;\n",
+            ["SLENDER", "TURN"],
+        ),
+        ("web/src/planted.ts", "const HALF: number = GRID_CELLS / 2;\nconst ROWS = 5;\n", ["HALF", "ROWS"]),
+        ("web/src/planted.ts", 'const AXES = ["x", "y"];\nconst ROW_COUNT = 5;\n  const MOST = 1;\n', []),
+    ],
+)
+def test_a_constant_of_one_word_is_found(tmp_path: Path, file: str, text: str, names: list[str]) -> None:
+    path = tmp_path / file
+    path.parent.mkdir(parents=True)
+    path.write_text(text)
+    found = structure(tmp_path)
+    assert found.returncode == 1 or not names
+    assert idle_entries_left_out(found.stdout) == [
+        f"{file}: {name} is one word: say what it holds, and in which unit" for name in names
+    ]
+
+
 # ---- what nobody uses ---------------------------------------------------------------------------------
 
 

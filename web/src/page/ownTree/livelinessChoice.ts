@@ -2,7 +2,7 @@
 import { make } from "../ui/dom";
 import { type ExpectedMotion, frequency_Hz, isAdjustable, swaysAt, swaysInWords } from "./expectedMotion";
 
-const STIFF =
+const STIFF_TEXT =
   "With the stiffness of its wood, its motion would be barely visible. It is therefore made softer, to sway like real " +
   "trees of its height; move the slider to the left to keep the stiffness of its wood.";
 const STILL_TEXT = "Its motion will be barely visible.";
@@ -35,7 +35,7 @@ export class LivelinessChoice {
     if (this.slider.parentElement) this.slider.parentElement.hidden = !adjustable;
     this.reason.hidden = !adjustable && expected.visible;
     this.slider.value = expected.visible ? "0" : "1";
-    this.reason.textContent = expected.visible ? NATURAL_TEXT : adjustable ? STIFF : STILL_TEXT;
+    this.reason.textContent = expected.visible ? NATURAL_TEXT : adjustable ? STIFF_TEXT : STILL_TEXT;
     this.tell();
   }
 
