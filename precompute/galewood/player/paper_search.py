@@ -30,12 +30,13 @@ from galewood.util import Array, Floats
 
 _TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(EXPONENTIAL_TERMS)])
 """Taylor series of exp(−t) for small t."""
+_DIVISOR = 2.0**EXPONENTIAL_SQUARINGS
 
 
 @numba.njit(cache=True, nogil=True)
 def gaussian(exponent):
     """1 − exp(−exponent) for exponent ≥ 0, by sums and products only: the same bits in all languages."""
-    t = min(exponent, 50.0) / 2.0**EXPONENTIAL_SQUARINGS
+    t = min(exponent, 50.0) / _DIVISOR
     p = _TERMS[EXPONENTIAL_TERMS - 1]
     for n in range(EXPONENTIAL_TERMS - 2, -1, -1):
         p = p * t + _TERMS[n]
