@@ -15,7 +15,7 @@ def convert(
     file: Annotated[
         Path,
         typer.Argument(
-            exists=True, dir_okay=False, help="Stems (CSV, GeoJSON), or an anemometer's record (CSV)."
+            exists=True, dir_okay=False, help="Stems (CSV, GeoJSON), or an anemometer's recording (CSV)."
         ),
     ],
     out: Annotated[
@@ -24,13 +24,13 @@ def convert(
     ] = None,
     start_s: Annotated[
         float,
-        typer.Option("--from", min=0.0, help="First second of a record to use, from its first sample."),
+        typer.Option("--from", min=0.0, help="First second of a recording to use, from its first sample."),
     ] = 0.0,
     json_out: JsonOut = None,
 ) -> None:
-    """Convert an inventory of stems, or an anemometer's record, to JSON for the page and the player.
+    """Convert an inventory of stems, or an anemometer's recording, to JSON for the page and the player.
 
-    Stems become an inventory document, the record a wind document. Prints what was understood.
+    Stems become an inventory document, the record a wind document. Prints how it was interpreted.
     """
     from galewood.conversion import read_data_file
     from galewood.inventory import Inventory

@@ -32,7 +32,7 @@ def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
 
 
 def print_report(figures: Mapping[str, str], notes: Iterable[str]) -> None:
-    """Print what was understood of a file."""
+    """Print how a file was interpreted."""
     for line in [*(f"{name}: {value}" for name, value in figures.items()), *notes]:
         print(line)
 

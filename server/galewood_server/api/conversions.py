@@ -1,4 +1,4 @@
-"""Inventories of stems and records of anemometers as JSON that the page plays (`galewood convert`)."""
+"""Inventories of stems and recordings of anemometers as JSON that the page plays (`galewood convert`)."""
 
 from __future__ import annotations
 

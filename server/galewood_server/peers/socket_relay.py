@@ -17,7 +17,7 @@ log = logging.getLogger("galewood.stream")
 RELAYED_HEADER = "Galewood-Relayed"
 """Header of a relayed request: its server does not pass it on again."""
 ANSWER_S = 1.5
-"""A server that does not answer for so long is taken for dead."""
+"""A server that does not respond for so long is considered dead."""
 QUEUED_MESSAGES = 4
 KERNEL_BYTES = 256 * 1024  # what waits here, the other server takes for received
 SERVICE_RESTART, ABNORMAL_CLOSURE = 1012, 1006
