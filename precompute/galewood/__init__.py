@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from galewood.fem import FemSettings
     from galewood.field import FieldError
     from galewood.notebook import NotebookError, show
-    from galewood.options import BuildRequest, ImportRequest
+    from galewood.options import BuildRequest, ImportRequest, TableRequest
     from galewood.pipeline import Progress
     from galewood.table import TableError
     from galewood.util import Cancelled, MeshError
@@ -64,6 +64,7 @@ __all__ = [
     "Progress",
     "SourceError",
     "TableError",
+    "TableRequest",
     "Tree",
     "Wind",
     "WindError",
@@ -105,6 +106,7 @@ _HOMES = {
     "show": "notebook",
     "BuildRequest": "options",
     "ImportRequest": "options",
+    "TableRequest": "options",
     "TableError": "table",
     "Cancelled": "util",
     "MeshError": "util",

@@ -12,7 +12,7 @@ import galewood
 import pytest
 import typer
 from galewood.cli import app
-from galewood.options import BuildRequest, ImportRequest, list_fields
+from galewood.options import BuildRequest, ImportRequest, TableRequest, list_fields
 from galewood.pipeline import BuildOptions
 from galewood_server.app import create_app
 from galewood_server.cli import commands
@@ -122,7 +122,7 @@ def test_the_service_describes_the_fields_of_the_model(openapi: Schema) -> None:
 
 def test_python_calls_have_the_fields_of_the_model() -> None:
     assert differences_of_call(galewood.read, ImportRequest) == []
-    assert differences_of_call(galewood.build, BuildRequest) == []
+    assert differences_of_call(galewood.build, TableRequest) == []
 
 
 def test_the_types_of_the_page_are_those_of_the_service(openapi: Schema) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from functools import wraps
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Concatenate, ParamSpec, TypeVar, get_type_hints
 
 Keywords = ParamSpec("Keywords")
 Subject = TypeVar("Subject")
@@ -28,9 +28,10 @@ def with_keywords_of(
         def call(subject: Subject, /, *args: Keywords.args, **kwargs: Keywords.kwargs) -> Result:
             return function(subject, model(*args, **kwargs))
 
-        inner, fields = inspect.signature(function), inspect.signature(model)
+        inner, types = inspect.signature(function), get_type_hints(model)
         first = next(iter(inner.parameters.values())).replace(kind=inspect.Parameter.POSITIONAL_ONLY)
-        parameters = [first, *fields.parameters.values()]
+        fields = inspect.signature(model).parameters.values()
+        parameters = [first, *(one.replace(annotation=types[one.name]) for one in fields)]
         call.__signature__ = inner.replace(parameters=parameters)  # type: ignore[attr-defined]
         return call
 

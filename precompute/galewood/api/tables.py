@@ -17,6 +17,7 @@ from galewood.api.cache import default_cache_dir
 from galewood.api.keywords import with_keywords_of
 from galewood.api.trees import Tree
 from galewood.mesh import read_glb
+from galewood.options import TableRequest
 from galewood.pipeline import BuildOptions, Progress, bare_path, build_tree
 from galewood.table import Foliage, Table, decode
 from galewood.util import Floats, Ints, write_atomically
@@ -93,7 +94,7 @@ class MotionTable:
             write_atomically(path.with_suffix(".glb"), self.render_glb)
 
 
-class BuildCall(BuildOptions):
+class BuildCall(TableRequest):
     """Everything that can be chosen about a build in a program."""
 
     reference_frames: int = Field(
@@ -118,7 +119,7 @@ def build(tree: Tree, options: BuildCall) -> MotionTable:
 
     Args:
         tree: The tree (``galewood.read``).
-        options: The fields of ``galewood.BuildRequest`` as keywords, such as ``design_speed_m_s``, ``modes``
+        options: The fields of ``galewood.TableRequest`` as keywords, such as ``design_speed_m_s``, ``modes``
             and ``seed``; also ``on_progress``, which receives ``Progress(stage, fraction, message)`` and may
             stop the build by raising; ``cache_dir``, the folder for meshes and training runs, from which a
             build that was stopped continues; and ``reference_frames``, the length of a run that is compared
@@ -128,10 +129,11 @@ def build(tree: Tree, options: BuildCall) -> MotionTable:
         MeshError: The wood cannot be meshed.
         pydantic.ValidationError: An option is unknown or out of range.
     """
+    chosen = options.model_dump(exclude={"on_progress", "cache_dir"})
     result = build_tree(
         tree.mesh,
         tree.render_glb,
-        options,
+        BuildOptions.model_validate(chosen),
         options.on_progress or (lambda progress: None),
         options.cache_dir or default_cache_dir(),
     )

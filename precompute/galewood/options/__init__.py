@@ -13,6 +13,7 @@ from galewood.options.request import (
     Axis,
     BuildRequest,
     ImportRequest,
+    TableRequest,
     list_fields,
 )
 
@@ -27,5 +28,6 @@ __all__ = [
     "BuildRequest",
     "EvaluationOptions",
     "ImportRequest",
+    "TableRequest",
     "list_fields",
 ]

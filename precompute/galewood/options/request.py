@@ -95,8 +95,10 @@ class ImportRequest(BaseModel):
         return name
 
 
-class BuildRequest(ImportRequest):
-    """Everything that can be chosen about a build."""
+class TableRequest(BaseModel):
+    """Options of the table of a tree that is imported."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     target_tets: int = Field(
         default=USUAL_TETS, ge=MIN_TETS, le=MAX_TETS, description="Number of tetrahedra to aim at."
@@ -154,7 +156,7 @@ class BuildRequest(ImportRequest):
     )
 
     @model_validator(mode="after")
-    def _one_stiffness(self) -> BuildRequest:
+    def _one_stiffness(self) -> TableRequest:
         if self.first_frequency_hz is not None and self.sway is not None:
             raise ValueError("give either first_frequency_hz or sway: both set the stiffness")
         return self
@@ -172,6 +174,10 @@ class BuildRequest(ImportRequest):
     def root_stiffness_nm_rad(self) -> float | None:
         """Rotational stiffness of the root plate, N·m/rad; None: rigid ground."""
         return None if self.root_stiffness_knm is None else 1000 * self.root_stiffness_knm
+
+
+class BuildRequest(TableRequest, ImportRequest):
+    """Everything that can be chosen about a build, from the mesh to the table."""
 
 
 def list_fields(model: type[BaseModel]) -> frozenset[str]:
