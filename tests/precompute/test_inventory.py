@@ -216,7 +216,7 @@ def test_the_report_says_what_was_assumed_substituted_and_skipped() -> None:
         "Column for dbh": "dbh: cm",
     }
     assert report.notes == (
-        "Substitutes for species without a tree of their own: oak is shown as maple: 1.",
+        "Substitutes for species without a tree model: oak is shown as maple: 1.",
         "No unit of the diameters was found: cm fits them.",
         "No unit of the heights was found: m is assumed.",
         "1 of 2 heights were missing and estimated from the diameter.",
@@ -238,7 +238,7 @@ def test_the_report_says_what_was_assumed_substituted_and_skipped() -> None:
         ("millimetres", "No unit of the diameters was found: mm fits them."),
         ("metres", "No unit of the diameters was found: m fits them."),
         ("metres", "There is no column of species: trees below 8 m are apricots, the others maples."),
-        ("german", "Substitutes for species without a tree of their own: Stieleiche is shown as maple: 1; "
+        ("german", "Substitutes for species without a tree model: Stieleiche is shown as maple: 1; "
          "Xyz (unknown) is shown as maple: 1."),
     ],
 )  # fmt: skip

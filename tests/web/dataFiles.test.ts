@@ -55,7 +55,7 @@ describe("tables", () => {
   });
 
   test("of another kind may be trees", async () => {
-    service(415, { title: "The file is no table of measurements.", hint: "" });
+    service(415, { title: "The file is not a table of measurements.", hint: "" });
     expect(await contentOf(file("branch,radius\n1,2\n"))).toBeNull();
   });
 

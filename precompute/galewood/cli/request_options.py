@@ -30,7 +30,7 @@ WoodFile = Annotated[
         "--wood-constants",
         exists=True,
         dir_okay=False,
-        help="Constants of a wood of your own (docs/how-to/own-wood.md).",
+        help="Custom wood properties, JSON (docs/how-to/own-wood.md).",
     ),
 ]
 Request = TypeVar("Request", bound=BaseModel)

@@ -38,7 +38,7 @@ def convert_in_child(arguments: Arrays) -> Arrays:
         found = read_data_file(arguments["data"].tobytes(), start_s=float(arguments["start_s"]))
     except UnknownContentError as error:
         raise MeshError(
-            "unknown-content", "unsupported", "The file is no table of measurements.", _sentence(error)
+            "unknown-content", "unsupported", "The file is not a table of measurements.", _sentence(error)
         ) from error
     except InventoryError as error:
         raise MeshError(

@@ -78,7 +78,7 @@ def notes_of(
     notes: list[str] = []
     if report.substitutes:
         shown = _listed([_shown(one) for one in report.substitutes[:MOST_LISTED]], len(report.substitutes))
-        notes.append(f"Substitutes for species without a tree of their own: {shown}.")
+        notes.append(f"Substitutes for species without a tree model: {shown}.")
     if columns.geographic:
         notes.append("Longitudes and latitudes (WGS 84) were projected to metres.")
     for what, name in (("dbh", "diameters"), ("girth", "circumferences")):

@@ -55,7 +55,7 @@ async def convert(
     service: ServiceDep,
     start_s: Annotated[
         float,
-        Query(ge=0, le=LONGEST_RECORD_S, description="Of a record: where the used part begins, s."),
+        Query(ge=0, le=LONGEST_RECORD_S, description="Recording: start of the used part, s."),
     ] = 0.0,
 ) -> Response:
     """Convert an inventory of stems (CSV, GeoJSON) or the record of an anemometer (CSV). Needs no key, and

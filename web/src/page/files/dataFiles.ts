@@ -48,8 +48,8 @@ export class DataFiles {
   async takeWind(file: File): Promise<void> {
     if (!(await this.take(file))) {
       showToast(
-        "The file holds no wind.",
-        "Expected a wind document (JSON), or the record of an anemometer with columns of time, speed and direction.",
+        "The file contains no wind.",
+        "Expected a wind document (JSON), or the recording of an anemometer with columns of time, speed and direction.",
       );
     }
   }

@@ -86,7 +86,7 @@ export class Instruments {
     const save = makeButton("Download wind", () => saveWind(this.wind));
     const input = windFileInput((file) => this.events.file(file));
     const load = makeButton("Load wind…", () => input.click());
-    load.title = "A wind document (JSON), or the record of an anemometer (CSV)";
+    load.title = "A wind document (JSON), or the recording of an anemometer (CSV)";
     details.append(
       make("summary", "Gust settings"),
       this.controls.element,
