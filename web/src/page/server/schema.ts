@@ -56,8 +56,8 @@ export interface Schemas {
     /** Rotational stiffness of the root plate, kN·m/rad; default: rigid ground. */
     root_stiffness_knm?: number | null;
     /**
-     * Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; default: as
-     * stiff as its wood.
+     * Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; default: the
+     * stiffness of its wood.
      */
     first_frequency_hz?: number | null;
     /**
