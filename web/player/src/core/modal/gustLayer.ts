@@ -6,8 +6,8 @@ import { GUST_LAYER_REST, MAX_STEPS_PER_ADVANCE } from "../constants";
 import type { Stepping } from "../motion/treeInstances";
 import type { Table } from "../table/table";
 import { CrownGusts } from "../wind/crown";
-import type { Moment } from "../wind/glide";
 import { speedOfPressure_m_s } from "../wind/pressure";
+import type { Moment } from "../wind/transition";
 
 /** Trees whose gusts have faded out come to rest below this (m, m/s). */
 const FADED_MOTION_M = 1e-3;

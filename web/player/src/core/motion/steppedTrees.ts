@@ -1,6 +1,6 @@
 /** The trees of one table, stepped by the wind at each of them: the modal or the paper's method, and the gust layer. */
 import type { GustLayer } from "../modal/gustLayer";
-import type { Moment } from "../wind/glide";
+import type { Moment } from "../wind/transition";
 import type { WindField } from "../wind/wind";
 import type { GroupWind } from "./groupWind";
 import { poseStride } from "./poseStride";

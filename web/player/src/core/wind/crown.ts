@@ -19,8 +19,8 @@ import {
   STREAMLINING_PRESSURE_PA,
 } from "../constants";
 import type { Places } from "./frame";
-import type { Moment } from "./glide";
 import { hash32 } from "./hashing";
+import type { Moment } from "./transition";
 
 /** Velocity along and across the wind at the grid points, [cells, cells, 2], unit variance each. */
 export function crownField(seed: number): Float64Array<ArrayBuffer> {

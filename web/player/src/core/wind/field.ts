@@ -4,13 +4,13 @@ import { TIMED_MODELS } from "../constants";
 import type { ResolvedWind, WindDocument } from "./document";
 import type { Gusts, Output, Places } from "./frame";
 import { addFronts } from "./fronts";
-import { changeWind, fieldKey, type Moment, steady, type WindState, windAt } from "./glide";
 import { CosineGusts } from "./models/cosine";
 import { EddyGusts } from "./models/eddyGusts";
 import { PerlinGusts } from "./models/perlin";
 import { RecordedGusts } from "./models/recorded";
 import { SpectralGusts } from "./models/spectral";
 import { pressureOfVelocity } from "./pressure";
+import { changeWind, fieldKey, type Moment, steady, type WindState, windAt } from "./transition";
 
 const TIMED_NAMES: readonly string[] = TIMED_MODELS;
 /** One set per species of the forest, and some for the instruments. */

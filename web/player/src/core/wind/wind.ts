@@ -2,7 +2,7 @@
 import type { WindDocument } from "./document";
 import { WindField } from "./field";
 import type { Output, Places } from "./frame";
-import { steady } from "./glide";
+import { steady } from "./transition";
 
 export { WIND_MODELS as MODELS } from "../constants";
 export type { Wave, WindDocument, WindModel, WindNumber } from "./document";
@@ -16,11 +16,11 @@ export {
   WindError,
 } from "./document";
 export { WindField } from "./field";
-export { changeWind, finalWind, parseState, steady, type WindState, windAt, withFront } from "./glide";
 export { phaseRad } from "./hashing";
 export { CALM_BREEZE, PRESETS, type PresetName, paperWind } from "./presets";
 export { coverage, dynamicPressure, heightFactor, limitPressure } from "./pressure";
 export { EMPTY_RECORDING, type Recording } from "./recording";
+export { changeWind, finalWind, parseState, steady, type WindState, windAt, withFront } from "./transition";
 
 let last: { wind: WindDocument; field: WindField } | undefined;
 

@@ -40,7 +40,7 @@ export interface Moment {
 }
 
 type Gliding = Exclude<keyof typeof FIELDS, "seed" | "beta" | "direction_deg">;
-const GLIDING_FIELDS = Object.keys(FIELDS).filter(
+const TRANSITION_FIELDS = Object.keys(FIELDS).filter(
   (name) => name !== "seed" && name !== "beta" && name !== "direction_deg",
 ) as Gliding[];
 
@@ -135,8 +135,8 @@ function travelAt(from: ResolvedWind, to: ResolvedWind, state: WindState, time_s
   const oldRate = from.convection_speed_m_s / from.length_scale_m;
   const newRate = to.convection_speed_m_s / to.length_scale_m;
   // integral of the smoothstep: t³ − t⁴/2, and ½ at the end
-  const glided_s = TRANSITION_S * t * t * t * (1 - 0.5 * t) + Math.max(0, since - TRANSITION_S);
-  return state.travel + oldRate * since + (newRate - oldRate) * glided_s;
+  const transition_s = TRANSITION_S * t * t * t * (1 - 0.5 * t) + Math.max(0, since - TRANSITION_S);
+  return state.travel + oldRate * since + (newRate - oldRate) * transition_s;
 }
 
 function crownFade(from: ResolvedWind, to: ResolvedWind, share: number): CrownFade {
@@ -174,7 +174,7 @@ export function fieldKey(wind: ResolvedWind): string {
 
 /** Interpolates from a to b, the direction along the shorter arc; model, seed, β and waves are taken from b. */
 function between(a: ResolvedWind, b: ResolvedWind, share: number): ResolvedWind {
-  const numbers = Object.fromEntries(GLIDING_FIELDS.map((name) => [name, mix(a[name], b[name], share)]));
+  const numbers = Object.fromEntries(TRANSITION_FIELDS.map((name) => [name, mix(a[name], b[name], share)]));
   const direction = b.direction_deg - (1 - share) * halfTurn(b.direction_deg - a.direction_deg);
   return { ...b, ...numbers, direction_deg: halfTurn(direction) };
 }
