@@ -22,7 +22,7 @@ from galewood_server.settings import Settings
 from pydantic import BaseModel
 from typer.testing import CliRunner
 
-from scripts.write_page_types import TARGET, generated
+from scripts.write_page_types import TARGET_FILE, generated
 
 COMMANDS: dict[str, type[BaseModel]] = {
     "build": BuildOptions,
@@ -126,7 +126,7 @@ def test_python_calls_have_the_fields_of_the_model() -> None:
 
 
 def test_the_types_of_the_page_are_those_of_the_service(openapi: Schema) -> None:
-    assert TARGET.read_text(encoding="utf-8") == generated(openapi), "run `make page-types`"
+    assert TARGET_FILE.read_text(encoding="utf-8") == generated(openapi), "run `make page-types`"
 
 
 def by_hand(
@@ -147,7 +147,7 @@ def test_options_that_are_typed_again_are_found(openapi: Schema) -> None:
     height = document["components"]["schemas"]["TreeChanges"]["properties"]["height_m"]["anyOf"][0]
     height["maximum"] = 150
     assert differences_of_openapi(document) == ["height_m"]
-    assert TARGET.read_text(encoding="utf-8") != generated(document)
+    assert TARGET_FILE.read_text(encoding="utf-8") != generated(document)
 
     form = deepcopy(UPLOAD_FORM)
     fields = form["requestBody"]["content"]["multipart/form-data"]["schema"]["properties"]
