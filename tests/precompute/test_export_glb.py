@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.export import ExportError, animated_glb, blown, sampled
+from galewood.export import ExportError, animated_glb, coordinates_in_wind, recorded_coordinates
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.types import RenderPrimitive, TreeMesh
 from galewood.table.format import Table, decode
@@ -64,7 +64,7 @@ def read(glb: bytes) -> tuple[dict[str, Any], Any]:
 
 
 def test_every_frame_of_the_animation_matches_the_table(table: Table, mesh: bytes) -> None:
-    q = blown(table, Wind(mean_speed_m_s=9.0, gustiness=0.8), 3.0)
+    q = coordinates_in_wind(table, Wind(mean_speed_m_s=9.0, gustiness=0.8), 3.0)
     document, accessor = read(animated_glb(table, mesh, q))
     animation = document["animations"][0]
     time = accessor(animation["samplers"][0]["input"])[:, 0]
@@ -85,7 +85,7 @@ def test_every_frame_of_the_animation_matches_the_table(table: Table, mesh: byte
 
 
 def test_a_loop_has_no_seam(table: Table) -> None:
-    q = blown(table, Wind(mean_speed_m_s=9.0, gustiness=0.8), 4.0, loop=True)
+    q = coordinates_in_wind(table, Wind(mean_speed_m_s=9.0, gustiness=0.8), 4.0, loop=True)
     steps = np.abs(np.diff(q, axis=0)).max()
     assert np.abs(q[-1] - q[0]).max() < 1e-12
     assert np.abs(q[1] - q[-2]).max() < 3 * steps
@@ -95,11 +95,11 @@ def test_a_loop_has_no_seam(table: Table) -> None:
 def test_a_sampled_run_has_the_poses_of_the_table(table: Table) -> None:
     named = {**table.records.metadata, "winds": ["still", "breeze"]}
     table = replace(table, paper=replace(table.records, metadata=named))
-    q = sampled(table, "breeze")
+    q = recorded_coordinates(table, "breeze")
     first, last = int(table.records.trajectory[1]), int(table.records.trajectory[2])
     assert np.array_equal(q, table.recorded_q_m[first:last])
     with pytest.raises(KeyError, match="no run"):
-        sampled(table, "hurricane")
+        recorded_coordinates(table, "hurricane")
 
 
 def test_the_mesh_of_another_tree_is_refused(table: Table, mesh: bytes) -> None:

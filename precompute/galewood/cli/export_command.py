@@ -78,10 +78,14 @@ def _mesh_of(table: Path, mesh: Path | None) -> bytes:
 
 
 def _write_glb(table: Table, mesh: bytes, out: Path, wind: Wind, moving: Moving) -> None:
-    from galewood.export import animated_glb, blown, sampled
+    from galewood.export import animated_glb, coordinates_in_wind, recorded_coordinates
 
     run, seconds = moving.run, moving.seconds
-    q = sampled(table, run) if run else blown(table, wind, seconds, loop=moving.loop)
+    q = (
+        recorded_coordinates(table, run)
+        if run
+        else coordinates_in_wind(table, wind, seconds, loop=moving.loop)
+    )
     glb = animated_glb(table, mesh, q)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_bytes(glb)

@@ -11,7 +11,7 @@ from galewood.util import lazily
 
 if TYPE_CHECKING:
     from galewood.export.bundle import archive, write_export
-    from galewood.export.glb import animated_glb, blown, sampled
+    from galewood.export.glb import animated_glb, coordinates_in_wind, recorded_coordinates
     from galewood.export.limited import export_limited
 
 __getattr__ = lazily(
@@ -19,9 +19,9 @@ __getattr__ = lazily(
     {
         "animated_glb": "galewood.export.glb",
         "archive": "galewood.export.bundle",
-        "blown": "galewood.export.glb",
+        "coordinates_in_wind": "galewood.export.glb",
         "export_limited": "galewood.export.limited",
-        "sampled": "galewood.export.glb",
+        "recorded_coordinates": "galewood.export.glb",
         "write_export": "galewood.export.bundle",
     },
 )
@@ -34,8 +34,8 @@ __all__ = [
     "TextureFormat",
     "animated_glb",
     "archive",
-    "blown",
+    "coordinates_in_wind",
     "export_limited",
-    "sampled",
+    "recorded_coordinates",
     "write_export",
 ]

@@ -30,7 +30,7 @@ LOOP_S = 2.0
 """Duration over which the end of a loop blends into the motion before its start."""
 
 
-def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Floats:
+def coordinates_in_wind(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Floats:
     """(T + 1, r) coordinates q of one tree in a wind by the modal model, one frame per table step.
 
     In a ``loop`` the last frame equals the first.
@@ -51,7 +51,7 @@ def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Fl
     return track[before:]
 
 
-def sampled(table: Table, name: str) -> Floats:
+def recorded_coordinates(table: Table, name: str) -> Floats:
     """(T, r) coordinates q of a recorded run of the table (FEM). Raises KeyError for an unknown name."""
     records = table.records
     names = records.metadata.get("winds", [])[: len(records.trajectory) - 1]
