@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from galewood.evaluation.evaluate import METHODS, compare, played, reference_tasks
+from galewood.evaluation.evaluate import METHODS, compare, play_pressures, reference_tasks
 from galewood.evaluation.measures import errors, windows
 from galewood.evaluation.reference_runs import read_reference_run, run_references
 from galewood.evaluation.source import Source, source_of
@@ -77,7 +77,7 @@ def accuracy(
     found: dict[str, dict[str, Any]] = {}
     for name, path in zip(winds, run_references(tasks, built.cache, lambda _: None), strict=True):
         reference = read_reference_run(path)
-        q, _ = played(built.table, reference.pressure_pa, METHODS["modal"])
+        q, _ = play_pressures(built.table, reference.pressure_pa, METHODS["modal"])
         lead = len(reference.pressure_pa) - FRAMES
         found[name] = compare(built.table, built.source, q, reference.displacement_m, lead)
         path.unlink()
@@ -113,7 +113,7 @@ def window_errors(
     (task,) = reference_tasks(built.table, built.source, [wind], sway)
     (path,) = run_references([task], built.cache, lambda _: None, 1)
     reference = read_reference_run(path)
-    q, _ = played(built.table, reference.pressure_pa, METHODS["modal"])
+    q, _ = play_pressures(built.table, reference.pressure_pa, METHODS["modal"])
     subspace = built.source.subspace
     error = errors(subspace.expand(q), reference.displacement_m)
     found = windows(error, PERIOD, float(built.table.metadata["height_m"]))[1:]

@@ -10,8 +10,15 @@ import numpy as np
 import pytest
 from galewood.cli.commands import app
 from galewood.cli.tools import file_writer
-from galewood.evaluation.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
-from galewood.evaluation.long_run import beyond, long_run
+from galewood.evaluation.evaluate import (
+    METHODS,
+    compare,
+    compare_methods,
+    floor,
+    nearest_sample,
+    play_pressures,
+)
+from galewood.evaluation.long_run import long_run, play_beyond_range
 from galewood.evaluation.measures import errors, figures, growth, hausdorff, joined, windows
 from galewood.evaluation.plot import plot_errors
 from galewood.evaluation.reference_runs import (
@@ -96,7 +103,7 @@ def test_a_sampled_wind_is_its_own_nearest_sample() -> None:
 
 def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
     start, end = TABLE.records.trajectory[1:3].astype(int)
-    track, extrapolation_ratio = played(
+    track, extrapolation_ratio = play_pressures(
         TABLE, TABLE.records.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
     )
     true = TABLE.recorded_q_m[start + 1 : end]
@@ -296,7 +303,7 @@ def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
     assert max(share[2:]) <= 1.5 * max(share[:2])
     again = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
     assert first == again
-    far = beyond(table, source, frames=300)
+    far = play_beyond_range(table, source, frames=300)
     assert far["extrapolation_ratio"] > 1
     assert far["largest"] < 1
     assert far["left_at_rest_m"] == 0

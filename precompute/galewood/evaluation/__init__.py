@@ -1,14 +1,14 @@
 """Comparison of a table with the finite-element reference solution on winds it was not built from."""
 
-from galewood.evaluation.evaluate import METHODS, Forest, Make, evaluate_table, played
-from galewood.evaluation.long_run import beyond
+from galewood.evaluation.evaluate import METHODS, Forest, Make, evaluate_table, play_pressures
+from galewood.evaluation.long_run import play_beyond_range
 from galewood.evaluation.measures import FRAMES_SHOWN, hausdorff
 from galewood.evaluation.plot import error_figure
 from galewood.evaluation.reference_runs import ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.report import run_evaluation
 from galewood.evaluation.source import Source, SourceError, recorded_runs, samples_of, source_of
 from galewood.evaluation.tracks import Comparison, Place, comparison_tracks, nodes_on_wood
-from galewood.evaluation.winds import along
+from galewood.evaluation.winds import directed_pressure
 
 __all__ = [
     "FRAMES_SHOWN",
@@ -20,14 +20,14 @@ __all__ = [
     "ReferenceTask",
     "Source",
     "SourceError",
-    "along",
-    "beyond",
     "comparison_tracks",
+    "directed_pressure",
     "error_figure",
     "evaluate_table",
     "hausdorff",
     "nodes_on_wood",
-    "played",
+    "play_beyond_range",
+    "play_pressures",
     "read_reference_run",
     "recorded_runs",
     "run_evaluation",

@@ -44,7 +44,7 @@ def methods_of(table: Table) -> dict[str, Make]:
     return {name: make for name, make in METHODS.items() if table.paper or name not in PAPER_METHODS}
 
 
-def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float]:
+def play_pressures(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float]:
     """Play one tree of the table under ``pressure_pa`` (T, 2).
 
     Returns its pose q (T, r) after each step and the largest extrapolation ratio (1 for methods without one).
@@ -131,7 +131,7 @@ def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead:
     Without the paper's records, those are the modal model and the tree at rest.
     """
     table, pressure = without_gusts(table), reference.pressure_pa
-    tracks = {method: played(table, pressure, make) for method, make in methods_of(table).items()}
+    tracks = {method: play_pressures(table, pressure, make) for method, make in methods_of(table).items()}
     if table.paper:
         tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
     tracks["rest-pose"] = (np.zeros((len(pressure), source.subspace.modes)), 1.0)
@@ -151,7 +151,7 @@ def against_converged(
 ) -> dict[str, Any]:
     """Largest errors over the height: of the elements' time steps, of the table, and of both together."""
     table, height_m = without_gusts(table), float(table.metadata["height_m"])
-    q, _ = played(table, reference.pressure_pa, METHODS["modal"])
+    q, _ = play_pressures(table, reference.pressure_pa, METHODS["modal"])
     worst = {"elements": 0.0, "table": 0.0, "total": 0.0}
     for a in range(0, len(q), CHUNK_FRAMES):
         part = slice(a, a + CHUNK_FRAMES)

@@ -132,7 +132,7 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
     }
 
 
-def beyond(
+def play_beyond_range(
     table: Table, source: Source, *, times: float = BEYOND_PRESSURE_RATIO, frames: int = 1800
 ) -> dict[str, float]:
     """Play the modal model far beyond the sampled winds, then in still air.

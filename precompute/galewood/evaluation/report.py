@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.evaluation.evaluate import OnProgress, evaluate_table
-from galewood.evaluation.long_run import beyond, long_run
+from galewood.evaluation.long_run import long_run, play_beyond_range
 from galewood.evaluation.plot import plot_errors
 from galewood.evaluation.source import SourceError, source_of
 from galewood.options import EvaluationOptions
@@ -69,7 +69,7 @@ def run_evaluation(
             decoded, source, cache_dir, share(on_progress, middle, 1.0),
             frames=options.long, sway=options.sway or 0.1, seed=options.seed,
         )  # fmt: skip
-        found["beyond"] = beyond(decoded, source)
+        found["beyond"] = play_beyond_range(decoded, source)
     return found
 
 

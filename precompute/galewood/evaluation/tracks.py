@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse
 
-from galewood.evaluation.evaluate import methods_of, played
+from galewood.evaluation.evaluate import methods_of, play_pressures
 from galewood.evaluation.measures import hausdorff
 from galewood.evaluation.source import tets_of
 from galewood.fem import FemModel, Simulator
@@ -85,7 +85,7 @@ def comparison_tracks(
     makes = methods_of(table)
     for k, name in enumerate(name for name in COMPARED_METHODS if name in makes):
         on_progress(0.8 + 0.1 * k, "Comparing")
-        q[name], _ = played(table, pressure_pa, makes[name])
+        q[name], _ = play_pressures(table, pressure_pa, makes[name])
         errors[name] = _errors((q[name] @ basis.T).reshape(reference.shape), reference, rest_m, height_m)
     left_out = _farthest((projected @ basis.T).reshape(reference.shape) - reference, height_m)
     on_progress(1.0, "Done")

@@ -45,16 +45,16 @@ def unseen_winds(
     smooth_heading = rng.uniform(0, 2 * np.pi) + 0.4 * turning
     gust = peak * np.sin(np.pi * np.clip((t[:once] - 0.5) / (GUST_END_S - 0.5), 0, 1)) ** 2
     winds = {
-        "new-period-and-amplitude": along(cosine, rng.uniform(0, 2 * np.pi)),
-        "between-directions": along(between, np.pi / 6),
-        "perlin": along(smooth, smooth_heading),
+        "new-period-and-amplitude": directed_pressure(cosine, rng.uniform(0, 2 * np.pi)),
+        "between-directions": directed_pressure(between, np.pi / 6),
+        "perlin": directed_pressure(smooth, smooth_heading),
         "one-over-f": one_over_f(rng, frames, half, dt_s, peak),
-        "step": along(0.85 * peak * (t[:once] > 1.0), rng.uniform(0, 2 * np.pi)),
-        "gust-then-still": along(gust, rng.uniform(0, 2 * np.pi)),
+        "step": directed_pressure(0.85 * peak * (t[:once] > 1.0), rng.uniform(0, 2 * np.pi)),
+        "gust-then-still": directed_pressure(gust, rng.uniform(0, 2 * np.pi)),
     }
     if first_hz:
         square = peak * (np.sin(2 * np.pi * first_hz * t[:once]) > 0)
-        winds["square-at-first-frequency"] = along(square, rng.uniform(0, 2 * np.pi))
+        winds["square-at-first-frequency"] = directed_pressure(square, rng.uniform(0, 2 * np.pi))
     return winds
 
 
@@ -63,7 +63,7 @@ def one_over_f(rng: np.random.Generator, frames: int, period: int, dt_s: float, 
     series = _repeated(noise(rng, period, dt_s, 5 / 3), frames)
     wander = _repeated(noise(rng, period, dt_s, 2.0), frames)
     speed = np.clip(0.7 * peak_m_s * (1.0 + NOISE_INTENSITY * series), 0.0, peak_m_s)
-    return along(speed, rng.uniform(0, 2 * np.pi) + rng.uniform(0.3, 0.7) * wander)
+    return directed_pressure(speed, rng.uniform(0, 2 * np.pi) + rng.uniform(0.3, 0.7) * wander)
 
 
 def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float) -> Floats:
@@ -71,10 +71,10 @@ def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float
     rng = np.random.default_rng(seed)
     series, wander = (_repeated(noise(rng, window, dt_s, beta), frames) for beta in (5 / 3, 2.0))
     speed = np.clip(0.55 * peak_m_s * (1.0 + 0.45 * series), 0.0, peak_m_s)
-    return along(speed, 0.5 * wander + 2 * np.pi * np.arange(frames) / frames)
+    return directed_pressure(speed, 0.5 * wander + 2 * np.pi * np.arange(frames) / frames)
 
 
-def along(speed_m_s: npt.NDArray[np.floating[Any]], heading_rad: Floats | float) -> Floats:
+def directed_pressure(speed_m_s: npt.NDArray[np.floating[Any]], heading_rad: Floats | float) -> Floats:
     """(frames, 2) Pa: pressure vectors of speeds (frames,) and a heading, one or (frames,)."""
     heading = np.broadcast_to(heading_rad, speed_m_s.shape)
     return dynamic_pressure(speed_m_s)[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)

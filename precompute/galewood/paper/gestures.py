@@ -16,7 +16,7 @@ from galewood.evaluation import (
     Source,
     along,
     hausdorff,
-    played,
+    play_pressures,
     read_reference_run,
     recorded_runs,
     run_references,
@@ -62,7 +62,9 @@ def target_wind(table: Table, frames: int) -> Floats:
     peak, depth, period_s = TARGET_WIND
     t = np.arange(frames) * float(table.metadata["dt_s"])
     wave = (1 + depth * np.cos(2 * np.pi * (t / period_s + 0.5))) / (1 + depth)
-    return along(float(table.metadata["design_speed_m_s"]) * peak * wave, np.radians(TARGET_DIRECTION_DEG))
+    return directed_pressure(
+        float(table.metadata["design_speed_m_s"]) * peak * wave, np.radians(TARGET_DIRECTION_DEG)
+    )
 
 
 def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
@@ -75,9 +77,9 @@ def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
     own, own_modes = own_table(plan, table, source)
     literal: Make = lambda small: PaperForest(small, 1, pose_easing=0.0, still_air=False)  # noqa: E731
     shapes: dict[str, tuple[Subspace, Floats]] = {
-        name: (source.subspace, played(table, wind, make)[0]) for name, make in METHODS.items()
+        name: (source.subspace, play_pressures(table, wind, make)[0]) for name, make in METHODS.items()
     }
-    shapes[OWN_TABLE] = (own_modes, played(own, wind, literal)[0])
+    shapes[OWN_TABLE] = (own_modes, play_pressures(own, wind, literal)[0])
     sway = np.linalg.norm(reference, axis=2).max(axis=1)
     height_m = float(table.metadata["height_m"])
     figures = {
@@ -147,7 +149,7 @@ def paper_directions(plan: Plan, table: Table, source: Source) -> Fig5:
     references = [read_reference_run(path).displacement_m[-1].astype(np.float64) for path in paths]
     height_m, figures, shown = float(metadata["height_m"]), {}, []
     for direction, wind, reference in zip(DIRECTIONS_DEG, strongest, references, strict=True):
-        poses = {name: played(table, wind.pressure_pa, make)[0][-1] for name, make in METHODS.items()}
+        poses = {name: play_pressures(table, wind.pressure_pa, make)[0][-1] for name, make in METHODS.items()}
         shown.append(poses["modal"])
         figures[f"{direction:.0f}"] = {
             "sway": float(np.linalg.norm(reference, axis=1).max() / height_m),

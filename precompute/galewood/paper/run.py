@@ -113,7 +113,7 @@ def _measure(
         "elements": elements,
         "search": search,
         "memory": memory(table, tree.table_bytes, source),
-        "beyond": beyond(table, source, frames=1800 if not plan.quick else 200),
+        "beyond": play_beyond_range(table, source, frames=1800 if not plan.quick else 200),
     }
 
 
