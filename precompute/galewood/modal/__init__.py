@@ -3,7 +3,7 @@
 from galewood.modal.drag import add_drag, drag_inputs, drag_tensors
 from galewood.modal.gradient import add_drag_gradient, add_terms_gradient
 from galewood.modal.gusts import GustTensors, advance_gusts, no_gusts
-from galewood.modal.step import advance_trees, widened, working_room
+from galewood.modal.step import advance_trees, float64_tensors, working_room
 from galewood.modal.tensors import ModalTensors, coupled_of, force_terms, shape_terms
 from galewood.modal.terms import write_force_terms, write_pose_terms
 
@@ -18,10 +18,10 @@ __all__ = [
     "coupled_of",
     "drag_inputs",
     "drag_tensors",
+    "float64_tensors",
     "force_terms",
     "no_gusts",
     "shape_terms",
-    "widened",
     "working_room",
     "write_force_terms",
     "write_pose_terms",

@@ -115,7 +115,7 @@ def advance_trees(
 
     q is (count, r or more).
 
-    ``tensors`` is from ``widened``, ``batch`` from ``working_room``; ``half_s`` is half a step, s. ``turn``
+    ``tensors`` is from ``float64_tensors``, ``batch`` from ``working_room``; ``half_s`` is half a step, s. ``turn``
     holds cosine and sine of the yaw, ``pressure`` is that along x and z, (count,) Pa. Updates phase (count,)
     and ``state`` in place: e, v (count, d), the pressures in the frames of the trees (count, 2), the poses of
     the last step and of that before (count, r), and the extrapolation ratios (count,).
@@ -146,7 +146,7 @@ def advance_trees(
             q[i, k] = before[i, k] + (now[i, k] - before[i, k]) * phase[i]
 
 
-def widened(modal: ModalTensors) -> tuple[Floats, ...]:
+def float64_tensors(modal: ModalTensors) -> tuple[Floats, ...]:
     """The tensors in float64, as the step uses them; force (d, F) and pose (r − d, terms) are transposed.
 
     The last four are those of the drag (``drag_tensors``).

@@ -16,8 +16,8 @@ class GustLayer:
     def __init__(self, tensors: GustTensors, count: int) -> None:
         """Create ``count`` trees at rest."""
         named = (tensors.place, tensors.step, tensors.load, tensors.drag)
-        self._place, *widened = (np.ascontiguousarray(tensor, np.float64) for tensor in named)
-        self._tensors = tuple(widened)
+        self._place, *float64_tensors = (np.ascontiguousarray(tensor, np.float64) for tensor in named)
+        self._tensors = tuple(float64_tensors)
         self._gusts = np.zeros((count, 2 * len(self._place)))
         self._state = tuple(np.zeros((count, tensors.oscillators)) for _ in range(4))
 
