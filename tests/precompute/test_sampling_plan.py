@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.reduction import TrainingWinds
-from galewood.sampling.plan import Samples, planned, simulate
+from galewood.sampling.plan import Samples, plan_samples, simulate
 from galewood.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner
 from galewood.sampling.training_winds import FURTHER_WINDS, WIND_COUNT, training_shapes
@@ -108,14 +108,14 @@ def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:
 def test_the_runs_of_both_methods_are_planned_once(tmp_path: Path) -> None:
     model, points = laden_pole(), np.arange(4)
     for all_winds, cosines in ((False, 18), (True, 36)):
-        samples = planned(model, 12.0, points, tmp_path, training(), frames=5, all_winds=all_winds)
+        samples = plan_samples(model, 12.0, points, tmp_path, training(), frames=5, all_winds=all_winds)
         parts = [{task.path for task in some} for some in (samples.default, samples.paper, samples.further)]
         assert [len(part) for part in parts] == [20, 1 + cosines + 6, 20]
         assert len(set.union(*parts)) == sum(map(len, parts))
 
 
 def test_the_recorded_winds_are_weak_medium_and_strong_in_all_directions(tmp_path: Path) -> None:
-    samples = planned(laden_pole(), 12.0, np.arange(4), tmp_path, training(), frames=5)
+    samples = plan_samples(laden_pole(), 12.0, np.arange(4), tmp_path, training(), frames=5)
     cosines = [task.wind for task in samples.paper if task.wind.name.startswith("cosine")]
     assert {(wind.name.split("-")[1], wind.direction_deg) for wind in cosines} == {
         (level, direction) for level in "135" for direction in DIRECTIONS_DEG

@@ -188,7 +188,7 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
     mass_kg, height_m = model.mass_kg[: model.vertex_count], float(table.metadata["height_m"])
     seed = int(provenance.get("seed", USUAL_OPTIONS.seed))
     winds = training_winds(oscillators_of(model), mass_kg, height_m, model.settings, seed)
-    samples = planned(
+    samples = plan_samples(
         model, speed_m_s, mesh.tets[elements], cache_dir, winds,
         frames=cosines[0] if cosines else USUAL_OPTIONS.frames, all_winds=len(cosines) == ALL_COSINES,
     )  # fmt: skip

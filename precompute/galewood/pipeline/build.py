@@ -29,7 +29,7 @@ from galewood.pipeline.report import bears_leaves, build_report
 from galewood.pipeline.stiffness import goal_of, scaled_to
 from galewood.pipeline.surface import RenderMesh, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
-from galewood.sampling import Samples, TrajectoryRunner, design_wind, planned, run_in_processes, simulate
+from galewood.sampling import Samples, TrajectoryRunner, design_wind, plan_samples, run_in_processes, simulate
 from galewood.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
 from galewood.skinning import axis_of_tets, render_embedding
 from galewood.table import Records, encode, encode_records
@@ -219,7 +219,7 @@ def _model_of(solid: Solid, options: BuildOptions) -> tuple[FemModel, Solid]:
 def _planned(builder: TableBuilder, solid: Solid, on: Environment) -> Samples:
     """The runs of a tree's model, simulated or not."""
     options = builder.options
-    return planned(
+    return plan_samples(
         builder.model, builder.wind.speed_m_s, solid.points, on.cache_dir, builder.training_winds,
         frames=options.frames, all_winds=options.all_cosine_winds,
     )  # fmt: skip

@@ -9,7 +9,7 @@ from galewood.util import lazily
 
 if TYPE_CHECKING:
     from galewood.sampling.design_speed import MAX_SWAY_SHARE, DesignWind, design_wind
-    from galewood.sampling.plan import Samples, planned, simulate
+    from galewood.sampling.plan import Samples, plan_samples, simulate
     from galewood.sampling.recording import (
         ALL_COSINES,
         COSINE_PREFIX,
@@ -46,7 +46,7 @@ __getattr__ = lazily(
         "DesignWind": "galewood.sampling.design_speed",
         "design_wind": "galewood.sampling.design_speed",
         "Samples": "galewood.sampling.plan",
-        "planned": "galewood.sampling.plan",
+        "plan_samples": "galewood.sampling.plan",
         "simulate": "galewood.sampling.plan",
         "ALL_COSINES": "galewood.sampling.recording",
         "COSINE_PREFIX": "galewood.sampling.recording",
@@ -92,7 +92,7 @@ __all__ = [
     "content_hash",
     "design_wind",
     "noise",
-    "planned",
+    "plan_samples",
     "read_trajectory",
     "run_in_processes",
     "run_task",

@@ -68,7 +68,7 @@ class Samples:
         return Samples(self.default[FIRST_DEFAULT], ())
 
 
-def planned(
+def plan_samples(
     model: FemModel,
     speed_m_s: float,
     points: Array,
