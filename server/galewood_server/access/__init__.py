@@ -3,7 +3,7 @@
 from galewood_server.access.import_limits import MeshImporter, limited_importer
 from galewood_server.access.keys import READ_ONLY_POSTS, WRITE_METHODS, new_key
 from galewood_server.access.middleware import AccessControl
-from galewood_server.access.open_connections import OpenConnections, counted, limited_by_descriptors
+from galewood_server.access.open_connections import OpenConnections, count_open, limited_by_descriptors
 from galewood_server.access.origins import is_loopback
 from galewood_server.access.quota import check_quota, count_stored, stored_bytes
 from galewood_server.access.rates import rate_limit_key
@@ -18,8 +18,8 @@ __all__ = [
     "OpenConnections",
     "Turns",
     "check_quota",
+    "count_open",
     "count_stored",
-    "counted",
     "is_loopback",
     "limited_by_descriptors",
     "limited_importer",

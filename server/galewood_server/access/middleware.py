@@ -14,7 +14,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.access.keys import check_writer, is_write
-from galewood_server.access.open_connections import ADDRESS_SHARE, counted, limited_by_descriptors
+from galewood_server.access.open_connections import ADDRESS_SHARE, count_open, limited_by_descriptors
 from galewood_server.access.origins import check_host, check_origin
 from galewood_server.access.rates import RateLimits, rate_limit_key
 from galewood_server.http import Problem, ProblemError, problem_from
@@ -99,7 +99,7 @@ class AccessControl:
                 hint="Wait until some of them are answered.",
                 headers={"Retry-After": "5"},
             )
-        return counted(self._in_progress, address)
+        return count_open(self._in_progress, address)
 
     async def _check_access(self, scope: Scope) -> None:
         try:

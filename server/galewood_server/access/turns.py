@@ -11,7 +11,7 @@ from pathlib import Path
 from galewood.util import MeshError
 from starlette.requests import HTTPConnection
 
-from galewood_server.access.open_connections import counted
+from galewood_server.access.open_connections import count_open
 from galewood_server.access.rates import rate_limit_key
 from galewood_server.http import ProblemError
 
@@ -51,7 +51,7 @@ class Turns:
         mine, all_inside = self._inside.get(key, 0), sum(self._inside.values())
         if all_inside >= self._room or mine >= self._most_of_address:
             raise _busy(self._what)
-        with counted(self._inside, key):
+        with count_open(self._inside, key):
             yield self._slots
 
 
@@ -86,7 +86,7 @@ class FilesOnDemand:
         mine, all_waiting = self._waiting.get(key, 0), sum(self._waiting.values())
         if all_waiting >= self._most_waiting or mine >= self._most_of_address:
             raise _busy(self._what)
-        with counted(self._waiting, key):
+        with count_open(self._waiting, key):
             # the work goes on if the first client leaves: others may wait for it
             await asyncio.shield(self._under_way.get(target) or self._start(target, make))
 

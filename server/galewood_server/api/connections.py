@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 
 from fastapi import WebSocket
 
-from galewood_server.access import counted, limited_by_descriptors, rate_limit_key
+from galewood_server.access import count_open, limited_by_descriptors, rate_limit_key
 from galewood_server.context import Service
 from galewood_server.http import Problem
 
@@ -24,7 +24,7 @@ async def limited_connection(websocket: WebSocket, service: Service) -> AsyncGen
         await websocket.send_denial_response(problem.response())
         yield False
         return
-    with counted(service.socket_addresses, address):
+    with count_open(service.socket_addresses, address):
         yield True
 
 

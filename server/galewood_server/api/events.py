@@ -17,7 +17,7 @@ from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.requests import HTTPConnection
 from starlette.types import Receive, Scope, Send
 
-from galewood_server.access import counted, rate_limit_key
+from galewood_server.access import count_open, rate_limit_key
 from galewood_server.api.connections import streams_exceeded
 from galewood_server.api.jobs import job_json
 from galewood_server.api.trees import tree_json
@@ -255,7 +255,7 @@ class LimitedEvents(EventSourceResponse):
         if problem:
             await problem.response({"Retry-After": "30"})(scope, receive, send)
             return
-        with counted(self._service.event_addresses, address):
+        with count_open(self._service.event_addresses, address):
             await super().__call__(scope, receive, send)
 
 
