@@ -25,7 +25,7 @@ from galewood_server.http import (
     read_upload,
 )
 from galewood_server.jobs import queue_job
-from galewood_server.storage import Tree, new_id, readable
+from galewood_server.storage import Tree, new_id, readable_rows
 
 if TYPE_CHECKING:
     from galewood.mesh import TreeMesh
@@ -102,7 +102,7 @@ def _find(service: Service, upload: Upload) -> TreeOut | None:
 
 
 def _find_same(session: Session, source_sha256: str, options: dict[str, Any]) -> Tree | None:
-    trees = readable(session, Tree, Tree.source_sha256 == source_sha256, Tree.builtin.is_(False))
+    trees = readable_rows(session, Tree, Tree.source_sha256 == source_sha256, Tree.builtin.is_(False))
     return next((tree for tree in trees if tree.options == options), None)
 
 

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 from galewood_server.app import shipped_trees
 from galewood_server.context import Service
 from galewood_server.jobs import fingerprint, queue_job
-from galewood_server.storage import ACTIVE_STATES, Form, Tree, lock_transaction, readable
+from galewood_server.storage import ACTIVE_STATES, Form, Tree, lock_transaction, readable_rows
 
 log = logging.getLogger("galewood.builtin_trees")
 REGISTRATION_LOCK_KEY = 0x67616C66
@@ -64,7 +64,7 @@ async def queue_outdated_uploads(service: Service) -> None:
 def _queue_outdated_uploads(service: Service) -> None:
     """Queue builds of uploads whose fingerprint has changed, with their last settings."""
     with service.sessions.begin() as session:
-        for tree in readable(session, Tree, Tree.builtin.is_(False), Tree.fingerprint.is_not(None)):
+        for tree in readable_rows(session, Tree, Tree.builtin.is_(False), Tree.fingerprint.is_not(None)):
             done = [job for job in tree.jobs if job.kind == "build" and job.state == "done"]
             settings = done[-1].settings if done else {}
             stale = tree.fingerprint != fingerprint(tree.source_sha256, tree.options, settings)

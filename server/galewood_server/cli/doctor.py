@@ -35,7 +35,7 @@ from galewood_server.storage import (
     file_age_s,
     migration_config,
     open_database,
-    readable,
+    readable_rows,
     referenced_files,
     start_failure,
 )
@@ -114,7 +114,7 @@ def _corrupt(kind: str, store: FileStore, repair: bool) -> Iterator[Finding]:
 
 def _damaged_rows(session: Session) -> Iterator[Finding]:
     for kind in (Tree, Job):
-        readable_names = {row.id for row in readable(session, kind)}
+        readable_names = {row.id for row in readable_rows(session, kind)}
         for name in sorted(set(session.scalars(select(kind.id))) - readable_names):
             yield Finding(
                 "database", f"the record {name!a} of {kind.__tablename__} is damaged: delete its tree"
@@ -122,7 +122,7 @@ def _damaged_rows(session: Session) -> Iterator[Finding]:
 
 
 def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding]:
-    for tree in readable(session, Tree):
+    for tree in readable_rows(session, Tree):
         for field, kind in FILE_COLUMNS.items():
             sha256 = getattr(tree, field)
             if sha256 and not stores.named(kind).has(sha256):
@@ -130,7 +130,7 @@ def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding
                 if repaired:
                     _clear_reference(tree, field)
                 yield Finding("missing", f"{kind}/{sha256} of the tree {tree.name!r} ({tree.id})", repaired)
-    for job in readable(session, Job):
+    for job in readable_rows(session, Job):
         yield from _missing_of_job(job, stores, repair)
 
 
@@ -203,7 +203,7 @@ def _jobs(session: Session) -> Iterator[Finding]:
 
 
 def _versions(session: Session, stores: Stores) -> Iterator[Finding]:
-    for tree in readable(session, Tree, Tree.table_sha256.is_not(None)):
+    for tree in readable_rows(session, Tree, Tree.table_sha256.is_not(None)):
         if stores.tables.has(tree.table_sha256 or ""):
             try:
                 version = read_metadata(stores.tables.get(tree.table_sha256 or "")).get("version")

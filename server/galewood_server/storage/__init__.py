@@ -48,7 +48,7 @@ from galewood_server.storage.raw_rows import (
     RawRow,
     job_rows,
     raw_column,
-    readable,
+    readable_rows,
     tree_rows,
 )
 from galewood_server.storage.records import compliance_of, records_of
@@ -107,7 +107,7 @@ __all__ = [
     "open_database",
     "preferred_coding",
     "raw_column",
-    "readable",
+    "readable_rows",
     "records_of",
     "referenced_files",
     "replace_files",

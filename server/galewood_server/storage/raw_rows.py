@@ -85,7 +85,7 @@ def job_rows() -> Select[Any]:
     return select(*(raw_column(getattr(Job, name)) for name in JOB_FIELDS)).where(Job.kind == "build")
 
 
-def readable(session: Session, kind: type[Row], *conditions: ColumnElement[bool]) -> Iterator[Row]:
+def readable_rows(session: Session, kind: type[Row], *conditions: ColumnElement[bool]) -> Iterator[Row]:
     """The objects of all rows that meet the conditions; rows that cannot be read are left out and logged."""
     for name in session.scalars(select(kind.id).where(*conditions).order_by(kind.created_at, kind.id)).all():
         try:
