@@ -35,7 +35,7 @@ WINDOW_FRAMES = 1500
 PIECE_FRAMES = 100
 """Frames of a window, and of the pieces that are held in memory."""
 BEYOND_PRESSURE_RATIO = 2.0
-"""Pressure of `beyond` over the pressure of the design speed."""
+"""Pressure of `play_beyond_range` over the pressure of the design speed."""
 METHODS_SHOWN = ("modal", "paper")
 
 

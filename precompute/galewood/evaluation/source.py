@@ -36,7 +36,7 @@ from galewood.sampling import (
     SampledRun,
     Samples,
     content_hash,
-    planned,
+    plan_samples,
     run_in_processes,
     simulate,
 )

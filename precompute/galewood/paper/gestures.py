@@ -14,7 +14,7 @@ from galewood.evaluation import (
     Make,
     ReferenceTask,
     Source,
-    along,
+    directed_pressure,
     hausdorff,
     play_pressures,
     read_reference_run,

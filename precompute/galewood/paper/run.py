@@ -8,9 +8,9 @@ from typing import Any
 
 from galewood.evaluation import (
     Source,
-    beyond,
     error_figure,
     evaluate_table,
+    play_beyond_range,
     recorded_runs,
     samples_of,
     source_of,
