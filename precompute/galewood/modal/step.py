@@ -115,8 +115,8 @@ def advance_trees(
 
     q is (count, r or more).
 
-    ``tensors`` is from ``float64_tensors``, ``batch`` from ``working_room``; ``half_s`` is half a step, s. ``turn``
-    holds cosine and sine of the yaw, ``pressure`` is that along x and z, (count,) Pa. Updates phase (count,)
+    ``tensors`` is from ``float64_tensors``, ``batch`` from ``working_room``; ``half_s`` is half a step, s.
+    ``turn`` is cosine and sine of the yaw, ``pressure`` along x and z, (count,) Pa. Updates phase (count,)
     and ``state`` in place: e, v (count, d), the pressures in the frames of the trees (count, 2), the poses of
     the last step and of that before (count, r), and the extrapolation ratios (count,).
     """
