@@ -64,7 +64,7 @@ def test_a_wood_that_is_none_is_refused_field_by_field(tmp_path: Path) -> None:
     mesh.write_text("v 0 0 0\n")
     wood.write_text('{"name": "lead", "density_kg_m3": 11340.0}')
     result = CliRunner().invoke(
-        app, ["build", str(mesh), "--wood-constants", str(wood), "--out", str(tmp_path / "out")]
+        app, ["build", str(mesh), "--wood-properties", str(wood), "--out", str(tmp_path / "out")]
     )
     assert result.exit_code == 1
     assert "density_kg_m3" in result.output

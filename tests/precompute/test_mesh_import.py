@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from galewood.mesh.importer import read_tree, render_glb
-from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface, agree_windings, cap, face_outwards, open_edges, volume, weld
+from galewood.options import ImportRequest
 
 from tests.precompute import tree_meshes as make
 
@@ -65,7 +65,7 @@ def test_obj_groups_distinguish_wood_from_leaves_and_options_override_them():
     data = "\n".join(text).encode()
     tree = read_tree(data, "a.obj")
     assert [(p.kind, len(p.faces)) for p in tree.primitives] == [("wood", len(wood.faces)), ("leaves", 4)]
-    swapped = read_tree(data, "a.obj", ImportRequest(wood_materials=["stuff", "canopy"]))
+    swapped = read_tree(data, "a.obj", ImportRequest(wood_parts=["stuff", "canopy"]))
     assert [p.kind for p in swapped.primitives] == ["wood", "wood"]
 
 

@@ -9,8 +9,8 @@ import zipfile
 import numpy as np
 import pytest
 from galewood.mesh.importer import read_tree
-from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface
+from galewood.options import ImportRequest
 from galewood.util import MeshError
 
 from tests.precompute import tree_meshes as make
@@ -139,5 +139,5 @@ def test_latin_1_names_and_quads_with_continuation_are_read():
 
 def test_wood_that_is_not_in_the_file_is_rejected():
     with pytest.raises(MeshError) as caught:
-        read_tree(GLB, "a.glb", ImportRequest(wood_materials=["nothing"]))
+        read_tree(GLB, "a.glb", ImportRequest(wood_parts=["nothing"]))
     assert caught.value.reason == "unsuitable"

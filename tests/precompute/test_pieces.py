@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import trimesh
 from galewood.mesh.importer import read_tree
-from galewood.options import ImportRequest
 from galewood.mesh.painted import ranges_of
 from galewood.mesh.piece_colour import face_colours, hue_saturation_value
 from galewood.mesh.piece_mesh import pieces_glb
@@ -16,6 +15,7 @@ from galewood.mesh.piece_shape import measure
 from galewood.mesh.pieces import find_pieces
 from galewood.mesh.scan_ground import ground_faces
 from galewood.mesh.types import Material, RawPart
+from galewood.options import ImportRequest
 from galewood.util import MeshError
 from PIL import Image
 
@@ -118,7 +118,7 @@ def test_choices_by_id_change_only_their_piece_and_ids_stay():
     plain = read_tree(file.data, file.filename).report
     pot = next(p for p in plain["pieces"] if p.get("what") == "pot")
     crown = next(p for p in plain["pieces"] if p["kind"] == "leaves")
-    chosen = ImportRequest(wood_materials=[pot["id"]], drop=[crown["id"]])
+    chosen = ImportRequest(wood_parts=[pot["id"]], drop=[crown["id"]])
     report = read_tree(file.data, file.filename, chosen).report
     kinds = {p["id"]: (p["kind"], p["chosen"]) for p in report["pieces"]}
     assert kinds.pop(pot["id"]) == ("wood", True)
@@ -152,7 +152,7 @@ def test_an_unknown_piece_is_refused_with_those_that_exist():
     for options in (
         ImportRequest(drop=["9.9"]),
         ImportRequest(leaves=["moss"]),
-        ImportRequest(wood_materials=["7.0"]),
+        ImportRequest(wood_parts=["7.0"]),
     ):
         with pytest.raises(MeshError) as caught:
             read_tree(file.data, file.filename, options)

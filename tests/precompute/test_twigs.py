@@ -68,7 +68,7 @@ def test_twigs_without_thicker_wood_are_the_wood():
 
 def test_parts_chosen_as_wood_by_the_user_are_wood_even_if_named_twigs():
     parts = [RawPart((name,), *_arrays(twig())) for name in ("twigs", "twigs thin", "crown")]
-    pieces = classify(parts, ImportRequest(wood_materials=["twigs"])).parts
+    pieces = classify(parts, ImportRequest(wood_parts=["twigs"])).parts
     assert [piece.kind for piece in pieces] == ["wood", "twigs", "leaves"]
 
 

@@ -21,12 +21,12 @@ def options_of(settings: dict[str, Any]) -> BuildOptions:
 
 def test_all_settings_reach_the_build() -> None:
     options = options_of(
-        {"species": "maple", "height_m": 9, "up_axis": "z", "wood_materials": ["Bark", "Twig"], "seed": 7,
+        {"species": "maple", "height_m": 9, "up_axis": "z", "wood_parts": ["Bark", "Twig"], "seed": 7,
          "target_tets": 3000, "sampled_elements": 135, "design_speed_m_s": 12.5, "frames": 90, "modes": 24,
          "wood": {"name": "Stiff", "based_on": "maple", "young_longitudinal_pa": 2e10}}
     )  # fmt: skip
     assert (options.species, options.height_m, options.up_axis) == ("maple", 9.0, "z")
-    assert options.wood_materials == ["Bark", "Twig"] and options.seed == 7
+    assert options.wood_parts == ["Bark", "Twig"] and options.seed == 7
     assert (options.target_tets, options.sampled_elements) == (3000, 135)
     assert (options.design_speed_m_s, options.frames) == (12.5, 90)
     assert options.table.modes == 24
@@ -47,7 +47,7 @@ def test_missing_settings_are_the_defaults() -> None:
 @pytest.mark.parametrize(
     "settings",
     [{"wood": {"name": "x", "density_kg_m3": -1}}, {"wood": {"based_on": "maple"}}, {"seed": -1},
-     {"wood": {"name": "x", "based_on": "no such"}}, {"wood_materials": [""]}, {"design_speed_m_s": 0}],
+     {"wood": {"name": "x", "based_on": "no such"}}, {"wood_parts": [""]}, {"design_speed_m_s": 0}],
 )  # fmt: skip
 def test_invalid_settings_are_rejected(settings: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):

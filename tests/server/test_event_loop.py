@@ -67,7 +67,7 @@ def uploads() -> Requests:
     scene: dict[str, object] = {"asset": {"version": "2.0"}, "accessors": [{"count": 3}] * 200_000}
     wide = b"".join(
         b'--x\r\nContent-Disposition: form-data; name="%s"\r\n\r\n%s\r\n' % (name, b"a," * 500_000)
-        for name in (b"wood_materials", b"leaves", b"drop")
+        for name in (b"wood_parts", b"leaves", b"drop")
     )
     triangle = b"v 0 9 %d\nv 1 9 %d\nv 0 10 %d\nf -1 -2 -3\n"
     parts = b"".join(b"g " + b"n" * 4000 + b"%d\n" % k + triangle % (k, k, k) for k in range(1000))
@@ -88,7 +88,7 @@ def bodies(**fields: Any) -> Requests:
     names = ["a"] * ((BODY_BYTES - 1000) // 5)
     deep = b'{"a":' + b"[" * (BODY_BYTES - 10)
     return [
-        {"json": {**fields, "wood_materials": names}},
+        {"json": {**fields, "wood_parts": names}},
         {"json": {**fields, "settings": {"leaves": names}}},
         {"json": {**fields, "name": "a" * (BODY_BYTES - 1000)}},
         {"content": deep, "headers": {"content-type": "application/json"}},

@@ -58,7 +58,7 @@ def differences_of_command(program: typer.Typer, name: str, model: type[BaseMode
     several, found = list_fields(model), list[str]()
     for key, field in model.model_fields.items():
         if key == "wood":
-            found += [] if "wood_constants" in options else [key]
+            found += [] if "wood_properties" in options else [key]
             continue
         option, default = options.get(key), None if key in several else field.default
         expected = ([f"--{key.replace('_', '-')}"], field.description, default)

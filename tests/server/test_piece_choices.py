@@ -25,10 +25,10 @@ def test_pieces_can_be_chosen_and_restored(api: httpx.Client) -> None:
     pot = next(p for p in tree["report"]["pieces"] if p.get("what") == "pot")
     assert any("pot" in warning for warning in tree["report"]["warnings"])
     path = f"/api/trees/{tree['id']}"
-    kept = api.patch(path, json={"wood_materials": [pot["id"]]}).json()
+    kept = api.patch(path, json={"wood_parts": [pot["id"]]}).json()
     assert [p["kind"] for p in kept["report"]["pieces"] if p["id"] == pot["id"]] == ["wood"]
     assert kept["mesh_sha256"] != tree["mesh_sha256"]
-    restored = api.patch(path, json={"wood_materials": None}).json()
+    restored = api.patch(path, json={"wood_parts": None}).json()
     assert restored["mesh_sha256"] == tree["mesh_sha256"]
     refused = api.patch(path, json={"drop": ["99.0"]})
     assert (refused.status_code, refused.json()["code"]) == (422, "no-such-piece")

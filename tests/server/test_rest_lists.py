@@ -83,7 +83,7 @@ def test_import_options_can_be_changed_until_there_is_a_table(api: httpx.Client)
     refused = api.patch(path, json={"height_m": 8})
     assert (refused.status_code, refused.json()["code"]) == (409, "already-built")
     assert api.patch(path, json={"name": "Still mine"}).json()["name"] == "Still mine"
-    for wrong in ({"height_m": -1}, {"wood_materials": []}, {"colour": 1}, {"name": ""}):
+    for wrong in ({"height_m": -1}, {"wood_parts": []}, {"colour": 1}, {"name": ""}):
         assert api.patch(path, json=wrong).status_code == 422
 
 

@@ -117,7 +117,7 @@ def test_an_assumed_unit_is_reported_and_can_be_corrected(server: Server, api: h
     assert (changed.json()["height_m"], changed.json()["name"]) == (pytest.approx(9.0), "Mine")
     assert changed.json()["mesh_sha256"] != tree["mesh_sha256"]
     assert api.get(f"/api/meshes/{tree['mesh_sha256']}").status_code == 404
-    refused = api.patch(f"/api/trees/{tree['id']}", json={"up_axis": "x", "wood_materials": ["no such"]})
+    refused = api.patch(f"/api/trees/{tree['id']}", json={"up_axis": "x", "wood_parts": ["no such"]})
     assert refused.status_code == 422 and refused.json()["hint"]
     assert api.get(f"/api/trees/{tree['id']}").json() == changed.json()
 

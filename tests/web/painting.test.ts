@@ -67,12 +67,12 @@ test("painted pieces join the choices that were made before", () => {
   kinds.paint([0]);
   kinds.end();
   expect(kinds.choices(pieces)).toEqual({
-    wood_materials: ["0.0-0", "1.1-1"],
+    wood_parts: ["0.0-0", "1.1-1"],
     leaves: ["1.2-2"],
     drop: ["0.0"],
   });
   expect(choicesWith(pieces, "1.1-2", "other")).toEqual({
-    wood_materials: null,
+    wood_parts: null,
     leaves: null,
     drop: ["0.0", "1.1-2"],
   });

@@ -36,10 +36,10 @@ test("a report without pieces has none", () => {
 
 test("a choice keeps the earlier ones and leaves what was detected alone", () => {
   const { pieces } = assumedOf(REPORT);
-  expect(choicesWith(pieces, "1.0", "wood")).toEqual({ wood_materials: ["1.0"], leaves: null, drop: ["2.0"] });
-  expect(choicesWith(pieces, "2.0", "leaves")).toEqual({ wood_materials: null, leaves: ["2.0"], drop: null });
+  expect(choicesWith(pieces, "1.0", "wood")).toEqual({ wood_parts: ["1.0"], leaves: null, drop: ["2.0"] });
+  expect(choicesWith(pieces, "2.0", "leaves")).toEqual({ wood_parts: null, leaves: ["2.0"], drop: null });
   const twigs: Piece = { ...pieces[0], kind: "twigs" };
-  expect(choicesWith([twigs], "0.0", "twigs")).toEqual({ wood_materials: null, leaves: null, drop: null });
+  expect(choicesWith([twigs], "0.0", "twigs")).toEqual({ wood_parts: null, leaves: null, drop: null });
 });
 
 test("runs of vertices name the row of each vertex", () => {

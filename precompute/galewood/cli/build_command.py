@@ -47,7 +47,7 @@ def build(
     mesh: Mesh,
     out: Out,
     all_trees: AllTrees = False,
-    wood_constants: WoodFile = None,
+    wood_properties: WoodFile = None,
     artefacts: Artefacts = None,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
@@ -56,7 +56,7 @@ def build(
     """Simulate a tree mesh and write its motion table, and the mesh that the table moves."""
     from galewood.util import MeshError
 
-    options = validated(BuildOptions, {**chosen, "wood": wood_document(wood_constants)})
+    options = validated(BuildOptions, {**chosen, "wood": wood_document(wood_properties)})
     jobs = [(options, out, artefacts, json_out)]
     try:
         if all_trees:

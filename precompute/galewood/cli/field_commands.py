@@ -30,7 +30,7 @@ def field(
     workers: Annotated[int, typer.Option(min=1, help="Processes, each for one tree at a time.")] = 1,
     damping: Annotated[bool, typer.Option(help="Pull and release every tree to find its damping.")] = True,
     sway: Sway = 0.03,
-    wood_constants: WoodFile = None,
+    wood_properties: WoodFile = None,
     cache_dir: CacheDir = Path("data/cache"),
     **chosen: Any,
 ) -> None:
@@ -41,7 +41,7 @@ def field(
         measurements=measurements,
         out=out,
         workers=workers,
-        trees=validated(BuildRequest, {**chosen, "wood": wood_document(wood_constants)}),
+        trees=validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)}),
         damping=damping,
         sway=sway,
         cache_dir=cache_dir,
@@ -79,7 +79,7 @@ def release(
     tree: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Tree mesh or scan.")],
     sway: Sway = 0.03,
     cycles: Annotated[float, typer.Option(min=3, max=200, help="Periods to simulate.")] = 12.0,
-    wood_constants: WoodFile = None,
+    wood_properties: WoodFile = None,
     plot: Annotated[Path | None, typer.Option(help="Plot of the decay to write (PNG, SVG, PDF).")] = None,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
@@ -89,7 +89,7 @@ def release(
     from galewood.field import decay_figure, pull_and_release, tree_of_file
     from galewood.util import MeshError
 
-    options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_constants)})
+    options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)})
     try:
         with progress_bar() as bar:
             report = progress_reporter(bar)

@@ -27,7 +27,7 @@ Mesh = Annotated[
 WoodFile = Annotated[
     Path | None,
     typer.Option(
-        "--wood-constants",
+        "--wood-properties",
         exists=True,
         dir_okay=False,
         help="Custom wood properties, JSON (docs/how-to/own-wood.md).",

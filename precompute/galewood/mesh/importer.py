@@ -198,7 +198,7 @@ def _completed(
 
 
 def _check_wood(pieces: list[ClassifiedPart], groups: list[Group], options: ImportRequest) -> None:
-    free = options.complete is not False and options.wood_materials is None
+    free = options.complete is not False and options.wood_parts is None
     if any(s.kind == "wood" for s in pieces) or (pieces and free):
         return
     names = sorted({label for g in groups for label in g.labels})[:20] + [g.id for g in groups][:20]

@@ -34,7 +34,7 @@ def painted_kinds(options: ImportRequest, pieces: Pieces, labels: set[str]) -> t
     """
     chosen = np.full(len(pieces), -1, dtype=np.int32)
     empty: list[str] = []
-    for kind, names in enumerate((options.wood_materials, options.leaves, options.drop)):
+    for kind, names in enumerate((options.wood_parts, options.leaves, options.drop)):
         for name in names or ():
             found = RANGE_PATTERN.fullmatch(name)
             if found is None or name in labels:

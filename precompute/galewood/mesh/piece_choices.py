@@ -53,7 +53,7 @@ def read_choices(
     by_id: dict[str, GroupKind] = {}
     by_name: dict[str, GroupKind] = {}
     given: tuple[tuple[GroupKind, tuple[str, ...]], ...] = (
-        ("wood", options.wood_materials or ()),
+        ("wood", options.wood_parts or ()),
         ("leaves", options.leaves or ()),
         ("other", options.drop or ()),
     )
@@ -77,8 +77,8 @@ def read_choices(
             f"The file has no part or piece {unknown[0][:80]!r}.",
             f"It has: {', '.join(known)}.",
         )
-    named = bool(options.wood_materials) and any(
+    named = bool(options.wood_parts) and any(
         not (ID_PATTERN.fullmatch(name) or RANGE_PATTERN.fullmatch(name)) or name in labels
-        for name in options.wood_materials or ()
+        for name in options.wood_parts or ()
     )
     return Choices(by_id, by_name, named)

@@ -43,7 +43,7 @@ class ImportRequest(BaseModel):
         default=None, ge=MIN_HEIGHT_M, le=MAX_HEIGHT_M, description="Height of the tree, m."
     )
     up_axis: Axis | None = Field(default=None, description="Axis that points up; -z: z points down.")
-    wood_materials: list[PartName] | None = Field(
+    wood_parts: list[PartName] | None = Field(
         default=None,
         min_length=1,
         max_length=4000,

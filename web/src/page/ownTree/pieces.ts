@@ -26,7 +26,7 @@ export interface Piece {
 
 /** The choices as the server takes them; null: as detected. */
 export interface PieceChoices {
-  wood_materials: string[] | null;
+  wood_parts: string[] | null;
   leaves: string[] | null;
   drop: string[] | null;
 }
@@ -48,10 +48,10 @@ export function choicesWith(pieces: readonly Piece[], id: string, kind: PieceKin
     });
     return ids.length > 0 ? ids : null;
   };
-  return { wood_materials: of("wood"), leaves: of("leaves"), drop: of("other") };
+  return { wood_parts: of("wood"), leaves: of("leaves"), drop: of("other") };
 }
 
-export const AS_DETECTED: PieceChoices = { wood_materials: null, leaves: null, drop: null };
+export const AS_DETECTED: PieceChoices = { wood_parts: null, leaves: null, drop: null };
 
 /** What a piece is called. Pure. */
 export function titleOf({ what, name, kind, pieces }: Piece): string {

@@ -13,7 +13,7 @@ export interface Schemas {
      * What is wood: names of materials, nodes or meshes, or ids of pieces. If a name is given, all parts that
      * are not named are leaves; ids change only their own pieces.
      */
-    wood_materials?: string[] | null;
+    wood_parts?: string[] | null;
     /** What is leaves: names, or ids of pieces. */
     leaves?: string[] | null;
     /** What is left out, such as ground: names, or ids of pieces. */
@@ -320,7 +320,7 @@ export interface Schemas {
      * What is wood: names of materials, nodes or meshes, or ids of pieces. If a name is given, all parts that
      * are not named are leaves; ids change only their own pieces.
      */
-    wood_materials?: string[] | null;
+    wood_parts?: string[] | null;
     /** What is leaves: names, or ids of pieces. */
     leaves?: string[] | null;
     /** What is left out, such as ground: names, or ids of pieces. */

@@ -133,6 +133,6 @@ export class PaintedKinds {
       const ids = [...groups.map(({ id }) => id), ...rangesOf(this.table, rows)];
       return ids.length > 0 ? ids : null;
     };
-    return { wood_materials: of("wood"), leaves: of("leaves"), drop: of("other") };
+    return { wood_parts: of("wood"), leaves: of("leaves"), drop: of("other") };
   }
 }
