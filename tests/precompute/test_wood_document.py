@@ -70,4 +70,4 @@ def test_stiffer_wood_has_higher_frequencies():
     soft, stiff = (build_model(bar, bar, read_wood_document(text).wood(), bar, settings) for text in texts)
     ratio = stiff.report["frequencies_hz"][0] / soft.report["frequencies_hz"][0]
     assert ratio == pytest.approx(2.0, rel=1e-3)
-    assert stiff.report["wood_properties"]["young_longitudinal_pa"] == 2e10
+    assert stiff.report["wood_constants"]["young_longitudinal_pa"] == 2e10

@@ -102,7 +102,7 @@ def build_model(
     settings = settings or FemSettings()
     material = wood_elements(mesh, skeleton, wood, lumped)
     report: dict[str, Any] = {"wood": wood.name, "wood_source": wood.source, "element": settings.element}
-    report["wood_properties"] = asdict(wood)
+    report["wood_constants"] = asdict(wood)
     report["wood_mass_kg"] = float(material.element_mass_kg.sum())
     if settings.element != "fitted":
         model = _raw(material, lumped, settings, settings.element)
