@@ -86,5 +86,5 @@ export function plantFar<Tree extends Grown>(
 }
 
 /** Direction and distance from the centre of the forest. */
-export const fromHeart_m = (x: number, z: number): number =>
+export const fromCentre_m = (x: number, z: number): number =>
   Math.hypot(x - FOREST_CENTRE.x_m, z - FOREST_CENTRE.z_m);
