@@ -43,7 +43,7 @@ with open(os.devnull, "wb") as nowhere:
 
 
 def growing_family(folder: Path) -> list[str]:
-    """A program that starts processes for ever; each one leaves a file named by its id in `folder`."""
+    """A program that starts processes endlessly; each one leaves a file named by its id in `folder`."""
     script = folder.parent / "growing.py"
     script.write_text(GROWING)
     return [sys.executable, "-IS", str(script), str(folder), "0"]

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from galewood.wind.transition import Moment
 
 KEPT_FIELDS = 64
-"""Of 65 kB each: one for every forest of a server in a wind of its own."""
+"""Of 65 kB each: one for every forest of a server with its own wind."""
 
 
 @lru_cache(maxsize=KEPT_FIELDS)

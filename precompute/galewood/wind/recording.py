@@ -1,4 +1,4 @@
-"""A measured wind inside a wind document: fluctuations at equal intervals, repeated for ever."""
+"""A measured wind inside a wind document: fluctuations at equal intervals, repeated endlessly."""
 
 from __future__ import annotations
 

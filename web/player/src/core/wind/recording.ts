@@ -10,7 +10,7 @@ import { numberAt, objectAt, refuseUnknown, WindError } from "./fields";
 // browsers, workers and Node have it, but it is not part of the language's library
 declare function atob(text: string): string;
 
-/** Fluctuations of a measured wind at equal intervals, quantised to 16 bits and repeated for ever. */
+/** Fluctuations of a measured wind at equal intervals, quantised to 16 bits and repeated endlessly. */
 export interface Recording {
   readonly interval_s: number;
   /** The fluctuation that one count stands for. */
