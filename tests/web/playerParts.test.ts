@@ -38,8 +38,8 @@ describe("trees at matrices", () => {
       new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), 0.7),
       new Vector3(2, 2, 2),
     );
-    expect(instancesOf([upright]).anyhow?.upright).toBe(true);
-    expect(instancesOf(matrices).anyhow?.upright).toBe(false);
+    expect(instancesOf([upright]).oriented?.upright).toBe(true);
+    expect(instancesOf(matrices).oriented?.upright).toBe(false);
     const [x, z, yaw, scale] = placementOf([upright], new Matrix4().makeTranslation(10, 0, 0));
     [x - 11, z - 3, yaw - 0.7, scale - 2].forEach((error) => expect(Math.abs(error)).toBeLessThan(1e-6));
     expect(() => instancesOf([new Matrix4().makeScale(-1, 1, 1)])).toThrow(/mirrors/);

@@ -63,7 +63,7 @@ export function makerOf(factory: MaterialFactory, leafShare: { value: number }):
     if (patched.has(colour)) throw new Error("materials: return a new material for every part of a tree");
     patched.add(colour);
     const uniforms = { ...given, uLeafShare: leafShare };
-    const variant = { part, moves, standing: "anyhow" } as const;
+    const variant = { part, moves, standing: "oriented" } as const;
     const leaves = part === "leaves" ? patchLeaves : undefined;
     deform(colour, { ...variant, key: `plain-${colour.type}` }, uniforms, leaves);
     const { map = null, alphaTest } = colour as Material & { map?: Texture | null };

@@ -19,7 +19,7 @@ export interface Bounds {
 }
 
 /** Bounds of a species whose trees stand at any angle. */
-export function boundsAnyhow({ height_m, radius_m, reach_m }: Bounds): Bounds {
+export function orientedBounds({ height_m, radius_m, reach_m }: Bounds): Bounds {
   const ball_m = Math.hypot(height_m, radius_m) + reach_m;
   return { height_m: 2 * ball_m, radius_m: ball_m, reach_m: 0, low_m: -ball_m };
 }

@@ -1,6 +1,6 @@
 /** The trees of one species as packed arrays. Pure. */
 
-/** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength; or see `anyhow`. */
+/** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength; or see `oriented`. */
 export const INSTANCE_FLOATS = 12;
 
 /** A place for a tree. Species are assigned later, so that places never move. */
@@ -26,7 +26,7 @@ export interface InstanceData {
    * largest scale, share | quaternion z w, scales along x and z over that along y; the quaternion is multiplied by the root
    * of the scale along y.
    */
-  readonly anyhow?: { readonly inverse: Float32Array; readonly upright: boolean };
+  readonly oriented?: { readonly inverse: Float32Array; readonly upright: boolean };
 }
 
 export type Tint = (treeId: number) => readonly [number, number, number, number];

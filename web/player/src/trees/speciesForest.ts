@@ -1,7 +1,7 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
 import { type BufferAttribute, Group, type WebGLRenderer } from "three";
 import type { DrawnMotion, TableMotion } from "../worker/protocol";
-import { type Bounds, boundsAnyhow } from "./culling";
+import { type Bounds, orientedBounds } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
 import type { FarCards } from "./farCards";
@@ -171,7 +171,7 @@ export class SpeciesForest<Motion extends DrawnMotion = TableMotion> {
   get bounds(): Bounds {
     const { height_m, radius_m } = this.model;
     const bounds = { height_m, radius_m, reach_m: this.exaggeration * (this.motion?.reach_m ?? 0) };
-    return this.instances.anyhow?.upright === false ? boundsAnyhow(bounds) : bounds;
+    return this.instances.oriented?.upright === false ? orientedBounds(bounds) : bounds;
   }
 
   /** Data for picking. */

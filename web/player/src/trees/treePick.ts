@@ -98,8 +98,8 @@ function rayBefore(inverse: Float32Array, tree: number, { from, to }: Ray): Floa
 function entry(group: PickGroup, tree: number, ray: Ray): number {
   const { instances, bounds, motion, jointRadius_m, poses, exaggeration } = group;
   const scale = instances.data[tree * INSTANCE_FLOATS + 6];
-  const own = instances.anyhow
-    ? rayBefore(instances.anyhow.inverse, tree, ray)
+  const own = instances.oriented
+    ? rayBefore(instances.oriented.inverse, tree, ray)
     : ownRay(instances.data, tree, ray);
   const [ox, oy, oz, dx, dy, dz, length = 1 / scale] = own;
   if (!motion) return crownEntry(bounds, ox, oy, oz, dx, dy, dz) * scale;

@@ -56,12 +56,12 @@ varying vec4 vPiece;
 ${LOT_SHADER}${LEAF_FLUTTER}`;
 
 /** How trees stand: upright, turned about the vertical and of one scale, or as any matrix without shear says. */
-export type Standing = "upright" | "anyhow";
+export type Standing = "upright" | "oriented";
 
 /**
  * From the tree's frame to the scene's: `stood` for places, `stoodNormal` for directions of any length.
  * Upright: aTurn.xy is scale·(cos, sin) of the yaw, aTint the colour and its weight relative to the texture's.
- * Anyhow: (aTurn.xy, aTint.xy) is a quaternion times the root of the scale along y, aTint.zw the scales along x and z over it.
+ * Oriented: (aTurn.xy, aTint.xy) is a quaternion times the root of the scale along y, aTint.zw the scales along x and z over it.
  */
 const STANDING_GLSL: Record<Standing, string> = {
   upright: /* glsl */ `
@@ -70,7 +70,7 @@ vec3 stood(vec3 v) {
 }
 #define stoodNormal stood
 `,
-  anyhow: /* glsl */ `
+  oriented: /* glsl */ `
 vec3 spun(vec3 v) {
   vec4 q = vec4(aTurn.xy, aTint.xy);
   return (q.w * q.w - dot(q.xyz, q.xyz)) * v + 2.0 * (dot(q.xyz, v) * q.xyz + q.w * cross(q.xyz, v));
