@@ -61,7 +61,13 @@ export function instancesOf(matrices: readonly Matrix4[]): InstanceData {
     twelve(inverse.copy(matrix).invert(), inverses, 12 * k);
   }
   const ids = Uint32Array.from({ length: count }, (_, k) => k);
-  return { count, data, placement: new Float32Array(4 * count), ids, oriented: { inverse: inverses, upright } };
+  return {
+    count,
+    data,
+    placement: new Float32Array(4 * count),
+    ids,
+    oriented: { inverse: inverses, upright },
+  };
 }
 
 /** x, z, yaw and scale of each tree in the world: what its motion depends on. */
