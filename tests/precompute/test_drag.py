@@ -8,7 +8,7 @@ from galewood.fem import Drag, Simulator
 from galewood.reduction.oscillators import oscillators_of, propagators
 from galewood.reduction.wind_scale import speeds_for
 from galewood.sampling import training_shapes
-from galewood.verify.motion_checks import energy_rise, laden_pole, plate_on_a_spring
+from galewood.verify.motion_checks import energy_rise, loaded_pole, plate_on_a_spring
 from galewood.wind import dynamic_pressure
 
 SEED = 20_411
@@ -66,13 +66,13 @@ def test_a_plate_on_a_spring_follows_the_exact_solution() -> None:
 
 @pytest.mark.parametrize("shelter", [1.0, 6.0])
 def test_drag_takes_energy_in_still_air(shelter: float) -> None:
-    pole = laden_pole()
+    pole = loaded_pole()
     area = np.where(pole.nodes_m[:, 1] > 4.0, 2.0, 0.0) / len(pole.nodes_m)
     assert energy_rise(replace(pole, drag_area_m2=area, exposed_area_m2=shelter * area), 90) < 1e-9
 
 
 def test_exact_propagators_do_not_depend_on_the_substeps() -> None:
-    settings = laden_pole().settings
+    settings = loaded_pole().settings
     steps = [
         propagators(np.array([4.0, 9.0]), np.array([0.3, 0.7]), replace(settings, substeps=substeps))
         for substeps in (1, 4)
@@ -82,7 +82,7 @@ def test_exact_propagators_do_not_depend_on_the_substeps() -> None:
 
 def test_training_winds_cause_the_required_sway() -> None:
     """The linear model with drag predicts the speed at which the finite elements sway so far."""
-    pole = laden_pole()
+    pole = loaded_pole()
     area = np.where(pole.nodes_m[:, 1] > 4.0, 6.0, 0.0) / len(pole.nodes_m)
     model = replace(pole, drag_area_m2=area, exposed_area_m2=4 * area)
     height_m = float(np.ptp(model.nodes_m[:, 1]))

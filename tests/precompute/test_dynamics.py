@@ -15,13 +15,13 @@ from galewood.fem.settings import FemSettings, Scheme
 from galewood.model.comparison import trajectory_difference
 from galewood.model.construction import build_model
 from galewood.verify.bars import polygon_bar
-from galewood.verify.motion_checks import energy_rise, laden_pole, ring_down
+from galewood.verify.motion_checks import energy_rise, loaded_pole, ring_down
 from galewood.wood.species import wood_of_species
 
 
 @cache
 def pole() -> FemModel:
-    return laden_pole()
+    return loaded_pole()
 
 
 @cache

@@ -13,7 +13,7 @@ from galewood.pipeline.compliance_file import compliance_of, four_largest, whole
 from galewood.player import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.pulling import displacement_at, solve, vertex_loads
 from galewood.table import Compliance, TableError, decode, decode_compliance, encode_compliance
-from galewood.verify.motion_checks import laden_pole
+from galewood.verify.motion_checks import loaded_pole
 from galewood.wind import Wind, WindError, WindField, parse_wind_or_state, with_front
 
 from tests.golden.make_pull import NODES, chain_factor, chain_matrix
@@ -24,7 +24,7 @@ GOLDEN = Path(__file__).parents[1] / "golden"
 @pytest.fixture(scope="module")
 def model() -> FemModel:
     """A pole with the mass of a crown."""
-    return laden_pole()
+    return loaded_pole()
 
 
 @pytest.fixture(scope="module")

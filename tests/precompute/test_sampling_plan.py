@@ -10,7 +10,7 @@ from galewood.sampling.plan import Samples, plan_samples, simulate
 from galewood.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner
 from galewood.sampling.training_winds import FURTHER_WINDS, WIND_COUNT, training_shapes
-from galewood.verify.motion_checks import laden_pole
+from galewood.verify.motion_checks import loaded_pole
 
 
 def task(wind: SampleWind, folder: Path) -> SampleTask:
@@ -106,7 +106,7 @@ def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:
 
 
 def test_the_runs_of_both_methods_are_planned_once(tmp_path: Path) -> None:
-    model, points = laden_pole(), np.arange(4)
+    model, points = loaded_pole(), np.arange(4)
     for all_winds, cosines in ((False, 18), (True, 36)):
         samples = plan_samples(model, 12.0, points, tmp_path, training(), frames=5, all_winds=all_winds)
         parts = [{task.path for task in some} for some in (samples.default, samples.paper, samples.further)]
@@ -115,7 +115,7 @@ def test_the_runs_of_both_methods_are_planned_once(tmp_path: Path) -> None:
 
 
 def test_the_recorded_winds_are_weak_medium_and_strong_in_all_directions(tmp_path: Path) -> None:
-    samples = plan_samples(laden_pole(), 12.0, np.arange(4), tmp_path, training(), frames=5)
+    samples = plan_samples(loaded_pole(), 12.0, np.arange(4), tmp_path, training(), frames=5)
     cosines = [task.wind for task in samples.paper if task.wind.name.startswith("cosine")]
     assert {(wind.name.split("-")[1], wind.direction_deg) for wind in cosines} == {
         (level, direction) for level in "135" for direction in DIRECTIONS_DEG

@@ -92,8 +92,8 @@ def test_softening_fails_without_the_weight_s_part_of_the_stiffness(monkeypatch:
 
 
 def test_motion_checks_fail_with_another_mass_or_damping(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = motion_checks.laden_pole()
-    monkeypatch.setattr(motion_checks, "laden_pole", lambda: model)
+    model = motion_checks.loaded_pole()
+    monkeypatch.setattr(motion_checks, "loaded_pole", lambda: model)
     assert not any(failed(motion_checks.checks()))
     heavy = replace(model, mass_kg=1.05 * model.mass_kg)
     ringing = list(motion_checks.ring_downs(heavy))
@@ -104,7 +104,7 @@ def test_motion_checks_fail_with_another_mass_or_damping(monkeypatch: pytest.Mon
 
 
 def test_energy_check_fails_when_damping_feeds_the_motion() -> None:
-    model = motion_checks.laden_pole()
+    model = motion_checks.loaded_pole()
     assert motion_checks.energy_rise(model, 40) <= 1e-6
     assert motion_checks.energy_rise(replace(model, alpha=-0.5, beta=0.0), 40) > 1e-6
 

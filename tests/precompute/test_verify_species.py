@@ -7,7 +7,7 @@ import pytest
 from galewood.verify.checks import absolute, relative, skipped
 from galewood.verify.run import MARKERS, insert_table, markdown
 from galewood.verify.species_checks import (
-    against_nature,
+    against_measured_trees,
     against_reference,
     of_specimen,
     on_meshes,
@@ -47,12 +47,12 @@ def test_a_wrong_tree_fails():
 @pytest.mark.parametrize("factor", [0.69, 1.45])
 def test_a_first_frequency_beyond_a_standard_deviation_of_measured_trees_fails(factor: float) -> None:
     one = apricot()
-    check = against_nature(one)
+    check = against_measured_trees(one)
     assert check.passed and check.exact is not None
     other = replace(one)
     report = {**one.fast.report, "frequencies_hz": [factor * check.exact]}
     other.__dict__["fast"] = replace(one.fast, report=report)
-    assert not against_nature(other).passed
+    assert not against_measured_trees(other).passed
 
 
 def test_the_table_replaces_the_text_between_its_markers():

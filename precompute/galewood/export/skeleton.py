@@ -69,7 +69,7 @@ def choose_bones(table: Table, motion: RigidMotion, most: int) -> Skeleton:
         np.where(above >= 0, bone[above], -1),
         rest[node],
         bone[_bearers(parent, chosen)],
-        _beyond(heirs(parent), bone),
+        _beyond(main_children(parent), bone),
         bone_names(parent, node),
     )
 
@@ -111,25 +111,25 @@ def _best(error: Floats, carries: Mask, parent_bone: Ints, chosen: Mask) -> int:
     return int(np.argmax(np.where(chosen, -np.inf, gain)))
 
 
-def heirs(parent: Ints) -> Ints:
+def main_children(parent: Ints) -> Ints:
     """(n,) the child of each node that most nodes hang on, with which its branch goes on; −1: none."""
     weight = np.ones(len(parent))
     for node in range(len(parent) - 1, -1, -1):
         if parent[node] >= 0:
             weight[parent[node]] += weight[node]
-    heir = np.full(len(parent), -1)
+    main_child = np.full(len(parent), -1)
     for node, above in enumerate(parent):
-        if above >= 0 and (heir[above] < 0 or weight[node] > weight[heir[above]]):
-            heir[above] = node
-    return heir
+        if above >= 0 and (main_child[above] < 0 or weight[node] > weight[main_child[above]]):
+            main_child[above] = node
+    return main_child
 
 
-def _beyond(heir: Ints, bone: Ints) -> Ints:
+def _beyond(main_child: Ints, bone: Ints) -> Ints:
     """(n,) first bone after each node along its branch; −1: none."""
-    found = np.full(len(heir), -1)
-    for node in range(len(heir) - 1, -1, -1):
-        if heir[node] >= 0:
-            found[node] = bone[heir[node]] if bone[heir[node]] >= 0 else found[heir[node]]
+    found = np.full(len(main_child), -1)
+    for node in range(len(main_child) - 1, -1, -1):
+        if main_child[node] >= 0:
+            found[node] = bone[main_child[node]] if bone[main_child[node]] >= 0 else found[main_child[node]]
     return found
 
 
@@ -139,11 +139,11 @@ def branch_of_node(table: Table) -> tuple[Ints, Ints]:
     A branch goes on with the child that most nodes hang on; the other children begin branches.
     """
     parent = parents_of(table)
-    heir = heirs(parent)
+    main_child = main_children(parent)
     branch, parent_branch = np.full(len(parent), -1), list[int]()
     for node in range(len(parent)):
         above = parent[node]
-        if above >= 0 and heir[above] == node:
+        if above >= 0 and main_child[above] == node:
             branch[node] = branch[above]
         else:
             branch[node] = len(parent_branch)

@@ -25,7 +25,7 @@ from galewood.pipeline.assemble import DefaultPart
 from galewood.pipeline.compliance_file import compliance_file
 from galewood.pipeline.from_beams import beam_table
 from galewood.pipeline.options import FURTHER_RUNS_MESSAGE, BuildOptions, BuildResult, Progress, Stages
-from galewood.pipeline.report import bears_leaves, build_report
+from galewood.pipeline.report import build_report, has_leaves
 from galewood.pipeline.stiffness import goal_of, scaled_to
 from galewood.pipeline.surface import RenderMesh, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
@@ -167,7 +167,7 @@ def _build(
     if records:
         sha256 = hashlib.sha256(result.table).hexdigest()
         result = replace(result, records=encode_records(records, sha256))
-    if options.bare_table and bears_leaves(tree, options):
+    if options.bare_table and has_leaves(tree, options):
         if on.on_table and records:
             on.on_table(replace(result, report=report(records, compared, stages)))
         stages.enter("bare")

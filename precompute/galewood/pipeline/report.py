@@ -33,7 +33,7 @@ def body_of(model: FemModel) -> Body:
     return Body(model.report["frequencies_hz"], model.report["wood"], identity)
 
 
-def bears_leaves(tree: TreeMesh, options: BuildOptions) -> bool:
+def has_leaves(tree: TreeMesh, options: BuildOptions) -> bool:
     """Whether the model of a build has leaves: the mesh has some, and they are not left out."""
     return options.foliage == "leaf" and any(part.kind == "leaves" for part in tree.primitives)
 
@@ -44,7 +44,7 @@ def describe(
     """Metadata of a table that is known before its motion."""
     return {
         "species": tree.species or "default",
-        "foliage": "leaf" if bears_leaves(tree, options) else "bare",
+        "foliage": "leaf" if has_leaves(tree, options) else "bare",
         "height_m": tree.height_m,
         "dt_s": options.fem.dt_s,
         "design_speed_m_s": design_speed_m_s,

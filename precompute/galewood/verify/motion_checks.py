@@ -25,7 +25,7 @@ FREQUENCY_LIMITS: dict[Scheme, float] = {"tr-bdf2": 0.003, "backward-euler": 0.0
 
 def checks() -> Iterator[Check]:
     """All checks of this module."""
-    model = laden_pole()
+    model = loaded_pole()
     yield from ring_downs(model)
     yield absolute(
         "energy in still air: largest rise in a step over the first", energy_rise(model, 120), 1e-6
@@ -58,7 +58,7 @@ def ring_downs(model: FemModel) -> Iterator[Check]:
             yield relative(f"ring-down damping against theory, {label}", expected, ratio, "–", 0.0005, note)
 
 
-def laden_pole() -> FemModel:
+def loaded_pole() -> FemModel:
     """A tapered pole of fast elements under gravity, with the mass of a crown on its upper half."""
     bar = polygon_bar(sides=6, radius_m=0.09, length_m=8.0, layers=50, tip_radius_m=0.03)
     crown = bar.vertices_m[:, 1] > 4.0
@@ -80,7 +80,7 @@ def plate_on_a_spring(dt_s: float) -> tuple[Floats, Floats]:
     little that it is linear: ë + α ė + ω² e = φ A p(U − φ ė) in its natural modes, which an adaptive
     Runge–Kutta method of eighth order solves. The plate is as fast as the wind.
     """
-    pole = laden_pole()
+    pole = loaded_pole()
     top = int(pole.nodes_m[:, 1].argmax())
     area = np.where(np.arange(len(pole.nodes_m)) == top, PLATE_M2, 0.0)
     settings = replace(pole.settings, dt_s=dt_s, substeps=1)

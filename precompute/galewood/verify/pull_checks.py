@@ -7,7 +7,7 @@ import numpy as np
 from galewood.fem import FemModel, TangentFactor, solve_static, tangent_factor
 from galewood.util import Floats
 from galewood.verify.checks import Check, relative
-from galewood.verify.motion_checks import laden_pole
+from galewood.verify.motion_checks import loaded_pole
 
 SHARES = (0.05, 0.4)
 """Pulls to check, relative to the force at which the wood would break."""
@@ -15,7 +15,7 @@ SHARES = (0.05, 0.4)
 
 def checks() -> Iterator[Check]:
     """All checks of this module."""
-    model = laden_pole()
+    model = loaded_pole()
     factor = tangent_factor(model)
     node = int(np.argmin(np.abs(model.nodes_m[:, 1] - 6.0)))
     for share in SHARES:

@@ -52,7 +52,7 @@ def of_specimen(one: Specimen, frames: int = FRAME_COUNT) -> Iterator[Check]:
     yield from against_reference(one, frames)
     yield from ringing(one)
     yield from against_generator(one)
-    yield against_nature(one)
+    yield against_measured_trees(one)
 
 
 def wood_mass(one: Specimen) -> Check:
@@ -120,7 +120,7 @@ def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:
         yield absolute(f"{specimens[0].name} on three meshes: first frequency, {label}", spread, limit, note)
 
 
-def against_nature(one: Specimen) -> Check:
+def against_measured_trees(one: Specimen) -> Check:
     """First frequency in leaf under gravity, within a standard deviation of measured trees of its size."""
     height_m, girth_cm = one.tree.height_m, 200 * breast_radius_m(one)
     a, b, c, deviation = REGRESSIONS[one.form]
