@@ -128,7 +128,7 @@ def _build_one(
     )
     from galewood.skinning import distortion_line
 
-    def tell(tree: TreeMesh) -> None:
+    def report_import(tree: TreeMesh) -> None:
         for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.own_wood))]:
             console.print(line, highlight=False, markup=False)
         for warning in tree.report["warnings"]:
@@ -143,7 +143,7 @@ def _build_one(
             progress=lambda now: report(now.fraction, now.message),
             cache_dir=cache_dir,
             publish=file_writer(artefacts) if artefacts else None,
-            on_import=tell,
+            on_import=report_import,
         )
     out.parent.mkdir(parents=True, exist_ok=True)
     table = result.whole_table()
