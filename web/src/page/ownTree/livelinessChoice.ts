@@ -22,7 +22,7 @@ export class LivelinessChoice {
     const ends = make("span", "", "own-tree-ends");
     ends.append(make("span", "stiffness of its wood"), make("span", "lively"));
     label.append(make("span", "Stiffness"), this.slider, ends);
-    this.slider.addEventListener("input", () => this.tell());
+    this.slider.addEventListener("input", () => this.notify());
     this.root.append(make("strong", "Expected sway"), this.words, label, this.reason);
   }
 
@@ -36,14 +36,14 @@ export class LivelinessChoice {
     this.reason.hidden = !adjustable && expected.visible;
     this.slider.value = expected.visible ? "0" : "1";
     this.reason.textContent = expected.visible ? NATURAL_TEXT : adjustable ? STIFF_TEXT : STILL_TEXT;
-    this.tell();
+    this.notify();
   }
 
   private get liveliness(): number {
     return this.expected && isAdjustable(this.expected) ? this.slider.valueAsNumber : 0;
   }
 
-  private tell(): void {
+  private notify(): void {
     if (!this.expected) return;
     const hertz = frequency_Hz(this.expected, this.liveliness);
     const sways = swaysInWords(swaysAt(this.expected, this.liveliness));

@@ -141,7 +141,7 @@ export class SeveralTrees {
     } catch (error) {
       if (!this.wasLeft(entry)) entry.show("failed", faultWords(error));
       if (!entry.found.taken && !this.isPlanted(entry)) await this.remove(entry);
-      this.tell();
+      this.notify();
     }
   }
 
@@ -182,14 +182,14 @@ export class SeveralTrees {
         job.state === "queued" ? "Waiting in the queue" : `Computing, ${Math.round(100 * job.fraction)} %`;
       entry.show("computing", words, job.fraction);
     }
-    this.tell();
+    this.notify();
   }
 
   private cancel(entry: Entry): void {
     const { state } = entry;
     entry.show("left", "Cancelled");
     if (state === "computing" && !(entry.found.taken && this.running)) void this.remove(entry);
-    this.tell();
+    this.notify();
   }
 
   /** Removes an upload that was cancelled, and ends its computation. */
@@ -200,7 +200,7 @@ export class SeveralTrees {
     else await deleteTree(id).catch(() => {});
   }
 
-  private tell(): void {
+  private notify(): void {
     if (this.entries.every(({ isOver }) => isOver)) this.finished();
   }
 

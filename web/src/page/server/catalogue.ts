@@ -216,7 +216,7 @@ export class Catalogue {
     // Uploads join once they are submitted; one without a table leaves when its computation is cancelled.
     if (change.deleted || tree.state === "failed" || tree.state === "uploaded") this.remove(tree.id);
     else this.keep(change);
-    for (const tell of this.listeners) tell(change);
+    for (const notify of this.listeners) notify(change);
   }
 
   private remove(id: string): void {

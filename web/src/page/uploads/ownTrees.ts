@@ -77,7 +77,7 @@ export class OwnTrees implements ProgressTools {
   /** A tree or its job changed on the server. */
   private changed(change: TreeChange): void {
     const { tree, deleted } = change;
-    this.uploads.tell(tree.id, change);
+    this.uploads.notify(tree.id, change);
     if (this.ending.has(tree.id)) this.end(change);
     const { settings } = this.store;
     if (deleted && (this.uploads.find(tree.id) || tree.id in settings.planted)) {
@@ -100,7 +100,7 @@ export class OwnTrees implements ProgressTools {
   /** The first motion of an upload: takes its owner there, unless that would take the camera out of their hands. */
   private lead(id: string): void {
     this.uploads.change(id, { shown: true });
-    this.uploads.tell(id, null);
+    this.uploads.notify(id, null);
     const known = this.catalogue.find(id);
     if (!prefersCalm() && !this.views.isBusy) this.show(id);
     else if (known)

@@ -82,7 +82,7 @@ export class OwnUploads {
   }
 
   /** Tells a watcher of a tree what is new: null if it moves now. */
-  tell(id: string, change: TreeChange | null): void {
+  notify(id: string, change: TreeChange | null): void {
     this.watchers.get(id)?.(change);
   }
 

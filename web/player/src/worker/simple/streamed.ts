@@ -40,7 +40,7 @@ export class StreamedForest {
 
   constructor(
     private readonly request: StreamRequest,
-    private readonly tell: (news: StreamNews) => void,
+    private readonly notify: (news: StreamNews) => void,
   ) {}
 
   /** `from`: address of the table at the service, which names its hash. */
@@ -75,7 +75,7 @@ export class StreamedForest {
 
   setWind(wind: WindDocument | null): void {
     if (wind === null) {
-      this.tell({
+      this.notify({
         kind: "problem",
         title: "A streamed forest does not accept a wind function.",
         hint: "Set a wind document: the service computes the motion.",
@@ -97,15 +97,15 @@ export class StreamedForest {
       share: share === null ? null : { id: share, replant, about: {} },
       responses: new PointResponses(),
       onReply: (reply: Reply) => this.reply(reply),
-      problem: (title: string, hint: string) => this.tell({ kind: "problem", title, hint }),
+      problem: (title: string, hint: string) => this.notify({ kind: "problem", title, hint }),
     };
     return new StreamMotion(groups, field, options, this.time_s);
   }
 
   private reply(reply: Reply): void {
-    if (reply.type === "presence") this.tell({ kind: "present", clients: reply.clients });
+    if (reply.type === "presence") this.notify({ kind: "present", clients: reply.clients });
     else if (reply.type === "windState")
-      this.tell({ kind: "sharedWind", wind: finalWind(parseState(reply.state)) });
+      this.notify({ kind: "sharedWind", wind: finalWind(parseState(reply.state)) });
   }
 
   advance(dt_s: number, _viewer: unknown, frames: readonly GroupFrame[]): void {
