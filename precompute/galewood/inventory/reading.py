@@ -54,7 +54,7 @@ class Stem:
 
 @dataclass(frozen=True)
 class Inventory:
-    """The trees of an inventory, and what was understood of its file."""
+    """The trees of an inventory, and how its file was interpreted."""
 
     stems: tuple[Stem, ...]
     report: InventoryReport
@@ -239,12 +239,12 @@ def _reported(
     width_m, depth_m = max(east) - min(east), max(north) - min(north)
     per_ha = len(placed) / (max(width_m * depth_m, 100.0) / 10_000.0)
     stems = tuple(_stem(raw, per_ha) for raw in placed)
-    understood = {
+    meanings = {
         what: f"{name}: {unit}" if (unit := units.get("x" if what == "y" else what)) else name
         for what, name in columns.names.items()
     }
     report = InventoryReport(
-        columns=understood,
+        columns=meanings,
         rows=rows,
         stems=len(stems),
         skipped=len(skipped),

@@ -1,4 +1,4 @@
-"""What was understood of an inventory, as numbers for programs and as text for readers."""
+"""Report of an inventory, as numbers for programs and as text for readers."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Substitute:
 
 @dataclass(frozen=True)
 class InventoryReport:
-    """What was understood."""
+    """How the file was interpreted."""
 
     columns: dict[str, str]
     """What each column was taken for: its name, with the unit."""

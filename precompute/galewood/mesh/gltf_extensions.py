@@ -1,4 +1,4 @@
-"""Which glTF extensions are understood; all others are reported, or refused if the file requires them."""
+"""Which glTF extensions are supported; all others are reported, or refused if the file requires them."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ class Columns:
         return self.east if self.speed < 0 else self.speed
 
     @property
-    def understood(self) -> dict[str, str]:
+    def meanings(self) -> dict[str, str]:
         """What each column was taken for: its name, with the unit."""
         speed = self.speed_unit or "m/s"
         angle = f"{'rad' if self.direction_unit == 'rad' else '°'} {'towards' if self.towards else 'from'}"

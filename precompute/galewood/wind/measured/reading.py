@@ -30,7 +30,7 @@ LONGEST_INTERVAL_S = 3600.0
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measured wind and what was understood of its file."""
+    """A measured wind and how its file was interpreted."""
 
     wind: Wind
     report: MeasurementReport
@@ -99,7 +99,7 @@ def _measurement(samples: Samples, found: Found, used: Series, first: int) -> Me
     )
     columns = samples.columns
     report = MeasurementReport(
-        columns=columns.understood,
+        columns=columns.meanings,
         rows=found.rows,
         missing=found.missing,
         implausible=samples.implausible,

@@ -1,4 +1,4 @@
-"""What was understood of a measurement, as numbers for programs and as text for readers."""
+"""Report of a measurement, as numbers for programs and as text for readers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SLOW_HZ = 0.99
 
 @dataclass(frozen=True)
 class MeasurementReport:
-    """What was understood."""
+    """How the file was interpreted."""
 
     columns: dict[str, str]
     """What each column was taken for: its name, with the unit."""
