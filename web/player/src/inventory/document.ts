@@ -20,7 +20,7 @@ export interface Stem {
   readonly slender: boolean;
 }
 
-/** What was understood of the file: the main numbers as text by their names, and assumptions as sentences. */
+/** How the file was interpreted: the main numbers as text by their names, and assumptions as sentences. */
 export interface Report {
   readonly figures: Readonly<Record<string, string>>;
   readonly notes: readonly string[];

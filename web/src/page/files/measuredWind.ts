@@ -1,4 +1,4 @@
-/** A measured wind: it blows at once, and a dialog says what was understood of its file. */
+/** A measured wind: it blows at once, and a dialog shows how its file was interpreted. */
 
 import { parseWind, type WindDocument } from "galewood/wind";
 import { Problem } from "../server/api";

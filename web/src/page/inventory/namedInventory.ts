@@ -32,7 +32,7 @@ export async function loadInventory(address: string): Promise<NamedInventory> {
   return namedInventory(inventoryFrom(await response.text()), name);
 }
 
-/** Shows what was understood. */
+/** Shows how the file was interpreted. */
 export function showInventory({ name, stems, report }: NamedInventory): void {
   showReport({
     heading: "Forest from an inventory",

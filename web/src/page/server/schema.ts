@@ -148,13 +148,13 @@ export interface Schemas {
     jobs_active: number;
     sockets: number;
   };
-  /** The stems of an inventory (docs/formats/inventory.md), and what was understood of its file. */
+  /** The stems of an inventory (docs/formats/inventory.md), and how its file was interpreted. */
   InventoryOut: {
     version: 1;
     stems: Schemas["Stem"][];
     report: Schemas["InventoryReport"];
   };
-  /** What was understood. */
+  /** How the file was interpreted. */
   InventoryReport: {
     columns: Record<string, string>;
     rows: number;
@@ -209,12 +209,12 @@ export interface Schemas {
     table_version: number;
     wire_version: number;
   };
-  /** The wind document of a measurement (docs/formats/wind.md), and what was understood of its file. */
+  /** The wind document of a measurement (docs/formats/wind.md), and how its file was interpreted. */
   MeasuredWindOut: {
     wind: Record<string, unknown>;
     report: Schemas["MeasurementReport"];
   };
-  /** What was understood. */
+  /** How the file was interpreted. */
   MeasurementReport: {
     columns: Record<string, string>;
     rows: number;

@@ -1,4 +1,4 @@
-/** A dialog that says what was understood of a file. */
+/** A dialog that shows how a file was interpreted. */
 import { make, makeButton } from "./dom";
 
 export interface ReportWords {
