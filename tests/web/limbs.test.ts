@@ -2,8 +2,8 @@ import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { describe, expect, test } from "vitest";
 import { readGlb } from "../../web/scripts/species/glb";
-import { hasLot, lotsOf } from "../../web/src/scene/treeModel/limbLots";
-import { COMMON_LOT, MISSING_BRANCH_SHARE } from "../../web/player/src/trees/lotShader";
+import { hasVariant, limbKeysOf } from "../../web/src/scene/treeModel/limbKeys";
+import { COMMON_KEY, MISSING_BRANCH_SHARE } from "../../web/player/src/trees/variantShader";
 import { bareShoots } from "../../web/src/scene/treeModel/bareShoots";
 import { limbsOf, type PartGeometry, STEM_LIMB } from "../../web/player/src/trees/mesh/limbs";
 import { connectedComponents, weldedComponents } from "../../web/player/src/trees/mesh/components";
@@ -102,12 +102,12 @@ describe.each(["poplar", "maple", "apricot", "poplar-forest", "maple-forest", "a
 });
 
 test("every tree lacks the same share of the limbs, and no two neighbours the same ones", () => {
-  const lots = lotsOf(25);
+  const keys = limbKeysOf(25);
   const place = random(5);
   const sets = Array.from({ length: 60 }, () => {
     const [x, z] = [200 * (place() - 0.5), 200 * (place() - 0.5)];
-    expect(hasLot(COMMON_LOT, x, z)).toBe(true);
-    return [...lots].map((lot) => (hasLot(lot, x, z) ? "1" : "0")).join("");
+    expect(hasVariant(COMMON_KEY, x, z)).toBe(true);
+    return [...keys].map((key) => (hasVariant(key, x, z) ? "1" : "0")).join("");
   });
   for (const set of sets) expect(Math.abs([...set].filter((has) => has === "0").length / 25 - MISSING_BRANCH_SHARE)).toBeLessThan(0.05);
   expect(new Set(sets).size).toBeGreaterThan(15);

@@ -16,7 +16,6 @@ export {
   type Tint,
 } from "./trees/instanceData";
 export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
-export { COMMON_LOT, LOT_SHADER, MISSING_BRANCH_SHARE } from "./trees/lotShader";
 export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
 export {
@@ -36,3 +35,4 @@ export { PullSlots, type ShownPull } from "./trees/pull/pullSlots";
 export { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
 export { ownRay, type PickedTree, pickTree } from "./trees/treePick";
 export { deform, type Standing, type TreeUniforms, type Variant } from "./trees/treeShader";
+export { COMMON_KEY, MISSING_BRANCH_SHARE, VARIANT_SHADER } from "./trees/variantShader";

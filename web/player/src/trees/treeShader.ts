@@ -3,10 +3,10 @@ import type { Material, WebGLProgramParametersWithUniforms } from "three";
 import { MOST_GROWTH, SHRINK_RANK_WIDTH } from "./detail";
 import { WHOLE_SHARE } from "./jointAttribute";
 import { LEAF_FLUTTER } from "./leafFlutter";
-import { LOT_SHADER } from "./lotShader";
 import type { Part } from "./mesh/treeMesh";
 import { NODE_TEXEL, TURN_BY } from "./nodes/nodeTexel";
 import type { PullUniforms } from "./pull/pullSlots";
+import { VARIANT_SHADER } from "./variantShader";
 
 export interface TreeUniforms extends Partial<PullUniforms> {
   /** Target of pass 1; null for static trees. */
@@ -22,7 +22,7 @@ const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
 attribute vec4 aTurn;  // see TURNED; scale, share of the pieces that are drawn
 attribute vec4 aTint;  // see TURNED
-attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; lot of its limb, negative: every tree has it
+attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; key of its limb, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
 attribute vec4 aJoint; // the two nodes between which the vertex is held, share of the second / WHOLE_SHARE
@@ -53,7 +53,7 @@ uniform vec2 uFlutter;
 uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
-${LOT_SHADER}${LEAF_FLUTTER}`;
+${VARIANT_SHADER}${LEAF_FLUTTER}`;
 
 /** How trees stand: upright, turned about the vertical and of one scale, or as any matrix without shear says. */
 export type Standing = "upright" | "oriented";
@@ -98,7 +98,7 @@ float grown = clamp((aTurn.w * ${1 + SHRINK_RANK_WIDTH} - aPiece.w) / (${SHRINK_
 #ifdef LEAVES
   grown *= min(${MOST_GROWTH.toFixed(1)}, inversesqrt(aTurn.w));
 #endif
-grown *= hasLot(aAnchor.w, aPlace.xz);
+grown *= hasVariant(aAnchor.w, aPlace.xz);
 vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
   #ifdef LEAVES

@@ -12,7 +12,7 @@ import {
 } from "galewood/trees";
 import { BufferAttribute } from "three";
 import { bareShoots } from "./bareShoots";
-import { lotsOf, pieceLots } from "./limbLots";
+import { limbKeysOf, pieceKeys } from "./limbKeys";
 
 /** Mean of the colours of a part; null without any. */
 export function meanColour(colour: BufferAttribute | null): [number, number, number] | null {
@@ -32,12 +32,12 @@ function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribu
   );
 }
 
-/** Gives every limb its lot, so that trees can lack it. */
-function drawLots(read: readonly ReadPart[]): void {
+/** Gives every limb its key, so that trees can lack it. */
+function assignKeys(read: readonly ReadPart[]): void {
   const limbs = limbsOf(read.map(({ geometry }) => geometry));
-  const lots = lotsOf(1 + limbs.reduce((most, limb) => limb.reduce((a, b) => Math.max(a, b), most), -1));
+  const keys = limbKeysOf(1 + limbs.reduce((most, limb) => limb.reduce((a, b) => Math.max(a, b), most), -1));
   read.forEach(({ part, geometry }, k) => {
-    const ofPiece = pieceLots(limbs[k], lots);
+    const ofPiece = pieceKeys(limbs[k], keys);
     const anchor = part.anchor.array as Float32Array;
     geometry.pieces.ofVertex.forEach((piece, v) => {
       anchor[4 * v + 3] = ofPiece[piece];
@@ -92,7 +92,7 @@ function barePartsOf(read: readonly ReadPart[]): BarePart[] {
 /** Reads a GLB; throws if it is invalid or contains no mesh. `varied`: each tree lacks some limbs. */
 export async function readTreeModel(bytes: ArrayBuffer, varied = false): Promise<TreeModel> {
   const { read, height_m, radius_m } = await readParts(bytes);
-  if (varied) drawLots(read);
+  if (varied) assignKeys(read);
   let bareParts: BarePart[] | null = null;
   return {
     parts: read.map(({ part }) => part),

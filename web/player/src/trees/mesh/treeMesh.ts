@@ -11,7 +11,7 @@ import {
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../../core/math/random";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
-import { COMMON_LOT } from "../lotShader";
+import { COMMON_KEY } from "../variantShader";
 import { type Components, connectedComponents, holders, petioles, weldedComponents } from "./components";
 import { leafFreedom, openness, roundNormals } from "./foliage";
 import type { PartGeometry } from "./limbs";
@@ -28,7 +28,7 @@ export interface TreePart {
   /** Linear colours (red, green, blue) by which the material's colour is multiplied; null: none. */
   readonly colour: BufferAttribute | null;
   readonly position: BufferAttribute;
-  /** The point to which the vertex's leaf or branch shrinks, and the lot of its limb (limbLots.ts). */
+  /** The point to which the vertex's leaf or branch shrinks, and the key of its limb (limbKeys.ts). */
   readonly anchor: BufferAttribute;
   /** Random number of the piece, openness to the sky, freedom of the leaf vertex to flutter, rank of the piece. */
   readonly piece: BufferAttribute;
@@ -129,7 +129,7 @@ function partFrom(
   const reach = leaves ? leafFreedom(pieces, positions) : new Float32Array(vertices);
   const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
   const piece = new Float32Array(vertices * 4);
-  const anchor = new Float32Array(vertices * 4).fill(COMMON_LOT);
+  const anchor = new Float32Array(vertices * 4).fill(COMMON_KEY);
   for (let v = 0; v < vertices; v++) {
     piece[4 * v] = hashUnit(pieces.ofVertex[v], 3);
     piece[4 * v + 1] = open[v];

@@ -1,6 +1,6 @@
 /** Shaders that draw one view of a tree at rest, and that reduce it to its place in the atlas. */
 
-import { LOT_SHADER } from "galewood/trees";
+import { VARIANT_SHADER } from "galewood/trees";
 
 /** Light is stored as its square root, which keeps dark colours apart in eight bits. */
 export const BAKE_VERTEX = /* glsl */ `
@@ -19,7 +19,7 @@ out vec2 vUv;
 out vec3 vNormal;
 out vec4 vPiece;
 out float vDepth;
-${LOT_SHADER}
+${VARIANT_SHADER}
 void main() {
   vec3 at = (position - vec3(0.0, uMiddle, 0.0)) * uPerMetre;
   vDepth = dot(at, uTowards);
@@ -28,7 +28,7 @@ void main() {
   vPiece = aPiece;
   gl_Position = vec4(dot(at, uRight), dot(at, uUp), -vDepth, 1.0);
   // As dense as the trees, each of which lacks some limbs.
-  gl_Position = mix(vec4(2.0, 2.0, 2.0, 1.0), gl_Position, hasLot(aAnchor.w, vec2(0.0)));
+  gl_Position = mix(vec4(2.0, 2.0, 2.0, 1.0), gl_Position, hasVariant(aAnchor.w, vec2(0.0)));
 }
 `;
 
