@@ -11,13 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
-from scripts.write_constants import ROOT, SOURCE, generated, read_groups
+from scripts.write_constants import ROOT, SOURCE_FILE, generated, read_groups
 
 SEARCHED_FOLDERS = (("precompute", ".py"), ("server", ".py"), ("web", ".ts"))
 """Folders in which no shared constant is typed, and the ending of their modules."""
 BUILT_FOLDERS = {"node_modules", "dist", "__pycache__"}
-COINCIDENCES: Mapping[str, str] = {"VERSION": "of the format that the module writes"}
-"""Names that mean different things in both languages though they have the same value, and what they mean."""
+COINCIDENCES: Mapping[str, str] = {
+    "ROUND_COUNT": "of an iteration; of a benchmark",
+    "VERSION": "of the format that the module writes",
+}
+"""Names with the same value in both languages that mean different things there, and what they mean."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ def _typed_twice(declared: list[Declaration]) -> Iterator[str]:
     for one in declared:
         other = python.get((one.name, one.value))
         if not one.python and other and one.name not in COINCIDENCES:
-            yield f"{one.place}: {one.name} is typed in {other} too: move it to {SOURCE}, or rename it"
+            yield f"{one.place}: {one.name} is typed in {other} too: move it to {SOURCE_FILE}, or rename it"
 
 
 def _used_once(shared: list[str], modules: Mapping[str, str]) -> Iterator[str]:
@@ -61,7 +64,8 @@ def _used_once(shared: list[str], modules: Mapping[str, str]) -> Iterator[str]:
     for ending, language in ((".py", "Python"), (".ts", "TypeScript")):
         text = "\n".join(text for path, text in modules.items() if path.endswith(ending))
         words = set(re.findall(r"\b[A-Z][A-Z0-9_]+\b", text))
-        yield from (f"{SOURCE}: {name} is not used in {language}" for name in shared if name not in words)
+        unused = [name for name in shared if name not in words]
+        yield from (f"{SOURCE_FILE}: {name} is not used in {language}" for name in unused)
 
 
 def _modules(root: Path) -> dict[str, str]:

@@ -160,7 +160,7 @@ FRONT_RISE_S = 0.6
 FRONT_LEAST_GUST_M_S = 6.0
 """Speed that a front adds in still air [m/s]."""
 FRONT_GUST_SHARE = 0.8
-"""Speed that it adds to this, over the mean speed."""
+"""Further speed that it adds, over the mean speed."""
 FRONT_LEAST_TRAVEL_M_S = 9.0
 """Least speed at which a front travels [m/s]."""
 FRONT_TRAVEL_SHARE = 1.2

@@ -11,7 +11,7 @@ import pytest
 from galewood import constants
 
 from scripts.check_constants import declarations, findings, plain_value
-from scripts.write_constants import ROOT, SOURCE, generated, read_groups, write
+from scripts.write_constants import ROOT, SOURCE_FILE, generated, read_groups, write
 
 GROUPS = {
     "motion": {
@@ -26,7 +26,7 @@ GROUPS = {
 def project(tmp_path: Path) -> Path:
     """A project whose two modules import the shared constants."""
     (tmp_path / "spec").mkdir()
-    (tmp_path / SOURCE).write_text(json.dumps(GROUPS))
+    (tmp_path / SOURCE_FILE).write_text(json.dumps(GROUPS))
     for path in generated(tmp_path):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
     write(tmp_path)
@@ -90,12 +90,12 @@ def test_a_stale_file_is_found(project: Path, path: str) -> None:
 def test_a_constant_of_one_language_is_found(project: Path) -> None:
     (project / "web/player/src/core/step.ts").write_text("")
     assert len(findings(project)) == 3
-    assert findings(project)[0] == f"{SOURCE}: MOST_STEPS is not used in TypeScript"
+    assert findings(project)[0] == f"{SOURCE_FILE}: MOST_STEPS is not used in TypeScript"
 
 
 @pytest.mark.parametrize("name", ["MOST", "most_steps"])
 def test_a_name_of_one_word_is_refused(project: Path, name: str) -> None:
-    (project / SOURCE).write_text(json.dumps({"motion": {name: {"value": 1, "meaning": "Something."}}}))
+    (project / SOURCE_FILE).write_text(json.dumps({"motion": {name: {"value": 1, "meaning": "Something."}}}))
     with pytest.raises(ValueError, match=name):
         read_groups(project)
 

@@ -158,7 +158,7 @@ export const FRONT_RANGE_M = 180;
 export const FRONT_RISE_S = 0.6;
 /** Speed that a front adds in still air [m/s]. */
 export const FRONT_LEAST_GUST_M_S = 6;
-/** Speed that it adds to this, over the mean speed. */
+/** Further speed that it adds, over the mean speed. */
 export const FRONT_GUST_SHARE = 0.8;
 /** Least speed at which a front travels [m/s]. */
 export const FRONT_LEAST_TRAVEL_M_S = 9;
