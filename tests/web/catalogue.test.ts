@@ -133,7 +133,7 @@ describe("tables without leaves", () => {
   });
 
   test("a tree without one keeps its table in winter", async () => {
-    const { arriving, grown, settle, catalogue, settings } = started();
+    const { arriving, grown, settle, settings } = started();
     handlers.change({ tree: both("leaf", null), job: null });
     arriving.get("leaf")?.resolve(motionOf("leaf"));
     await settle();
@@ -233,7 +233,7 @@ test("in a shared forest that the server moves, trees keep their leaves' tables 
 });
 
 test("the other form stands in for one that cannot be loaded", async () => {
-  const { arriving, settle, catalogue, settings } = started();
+  const { arriving, settle, catalogue } = started();
   handlers.change({ tree: tree("full"), job: null });
   expect(catalogue.assets[0].hasTable).toBe(true);
   expect(catalogue.isLoaded).toBe(false);

@@ -76,7 +76,7 @@ export function factsOf(
     ),
     fact(
       "Truncation error",
-      shareOfHeight(of("table", "errors", "truncation_max_m"), tree.height_m),
+      shareOfHeight(of("table", "errors", "truncation_max_m"), height_m),
       (share) => `${(100 * share).toFixed(2)} % of height`,
       "Largest displacement error of any point caused by keeping only these modes.",
     ),

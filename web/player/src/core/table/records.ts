@@ -107,6 +107,18 @@ export function readRecords(metadata: unknown, tensors: Tensors, modes: number):
   return records;
 }
 
+/** [z, r] pose of every record, in units of modeScale; every trajectory starts at 0. */
+export function poses({ dq, trajectory, metadata }: Records): Int32Array {
+  const r = dq.length / metadata.records;
+  const out = new Int32Array(dq.length);
+  for (let t = 0; t + 1 < trajectory.length; t++) {
+    for (let i = trajectory[t] + 1; i < trajectory[t + 1]; i++) {
+      for (let k = 0; k < r; k++) out[i * r + k] = out[(i - 1) * r + k] + dq[(i - 1) * r + k];
+    }
+  }
+  return out;
+}
+
 /** [z] 1 for the last record of each trajectory, which has no successor and is never chosen. */
 export function lastRecords(trajectory: Uint32Array): Uint8Array {
   const last = new Uint8Array(trajectory[trajectory.length - 1]);

@@ -1,9 +1,9 @@
 /** Edits of wind documents made by the instruments. Pure. */
 import {
+  EMPTY_RECORDING,
   hasField,
   PRESETS,
   type PresetName,
-  STILL,
   type WindDocument,
   type WindModel,
   type WindNumber,
@@ -21,7 +21,7 @@ export function withModel(wind: WindDocument, model: WindModel): WindDocument {
   const beta = model === "spectral" ? { beta: numbers.beta } : {};
   const lists = {
     ...(model === "cosine" && waves ? { waves } : {}),
-    ...(model === "recorded" ? { recording: recording ?? STILL } : {}),
+    ...(model === "recorded" ? { recording: recording ?? EMPTY_RECORDING } : {}),
   };
   return { ...plain, ...beta, ...lists, model } as WindDocument;
 }
