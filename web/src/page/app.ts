@@ -1,42 +1,42 @@
 /** The application: makes the features of the page, and gives each what it depends on. */
 
-import { Views } from "./camera/views";
 import { Capture } from "./camera/capture";
-import { followAttention } from "./server/attention";
+import { Views } from "./camera/views";
 import { Comparison } from "./compare/comparison";
+import { Panel } from "./controls/panel";
+import { connectPause } from "./controls/pause";
+import { SceneryBar } from "./controls/scenery";
+import { StatusReport } from "./controls/statusReport";
+import { fullScreenTool } from "./controls/tools";
+import { Undo } from "./controls/undo";
 import type { DataFiles } from "./files/dataFiles";
-import { World } from "./forest/world";
 import { ForestFigures } from "./forest/forestFigures";
 import { FrameLoop } from "./forest/frameLoop";
 import { FrameStatistics } from "./forest/frameStatistics";
+import { Planting } from "./forest/planting";
+import { World } from "./forest/world";
 import { InventoryPlanting } from "./inventory/inventoryPlanting";
 import { TreeOverlays } from "./overlays/treeOverlays";
-import { OwnTrees } from "./uploads/ownTrees";
-import type { OwnUploads } from "./uploads/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
-import { Planting } from "./forest/planting";
-import { connectPause } from "./controls/pause";
+import { PhysicsCards } from "./physics/physicsCards";
+import { PickedCard } from "./picking/pickedCard";
+import { TreePicker } from "./picking/treePicker";
+import { ProgressCards } from "./progress/progressCards";
 import { Gusts } from "./pulling/gusts";
 import { Puller } from "./pulling/puller";
 import { useKeys } from "./server/api";
+import { followAttention } from "./server/attention";
 import { Catalogue } from "./server/catalogue";
 import { rememberSettings } from "./settings/storedSettings";
+import { showEmbedBar } from "./sharing/embedBar";
 import { Sharing } from "./sharing/sharing";
 import { WindSound } from "./sound";
-import { StatusReport } from "./controls/statusReport";
 import type { Store } from "./store/store";
-import { TreePicker } from "./picking/treePicker";
 import { element, makeButton } from "./ui/dom";
-import { showEmbedBar } from "./sharing/embedBar";
-import { askForKey, keptKey } from "./ui/keyDialog";
-import { Panel } from "./controls/panel";
-import { PhysicsCards } from "./physics/physicsCards";
-import { PickedCard } from "./picking/pickedCard";
-import { ProgressCards } from "./progress/progressCards";
-import { SceneryBar } from "./controls/scenery";
-import { fullScreenTool } from "./controls/tools";
-import { Undo } from "./controls/undo";
 import { WindStudio } from "./ui/instruments/windStudio";
+import { askForKey, keptKey } from "./ui/keyDialog";
+import { OwnTrees } from "./uploads/ownTrees";
+import type { OwnUploads } from "./uploads/ownUploads";
 
 /** What `window.galewood` shows of the page. */
 export type Page = ReturnType<typeof openPage>;
@@ -104,7 +104,20 @@ export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
     fullScreenTool(),
   );
 
-  const parts = [views, picker, ownTrees, puller, gusts, overlays, sound, studio, capture, status, panel, card];
+  const parts = [
+    views,
+    picker,
+    ownTrees,
+    puller,
+    gusts,
+    overlays,
+    sound,
+    studio,
+    capture,
+    status,
+    panel,
+    card,
+  ];
   const loop = new FrameLoop(store, world, meter, parts);
   catalogue.onChange(() => loop.report());
   loop.start();

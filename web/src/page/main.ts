@@ -1,9 +1,10 @@
 import "./ui/instruments/instruments.css";
 import "./uploads/uploads.css";
 import { openPage } from "./app";
+import { showHint } from "./controls/hint";
+import { connectSheets } from "./controls/sheets";
 import { DataFiles } from "./files/dataFiles";
 import { detectGraphics } from "./forest/graphics";
-import { OwnUploads } from "./uploads/ownUploads";
 import { exposeProbe } from "./probe";
 import { defaultsFor, settingsFromQuery } from "./settings/settings";
 import { sharedFrom } from "./settings/sharedForest";
@@ -11,9 +12,8 @@ import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
 import { Store } from "./store/store";
 import { element } from "./ui/dom";
-import { showHint } from "./controls/hint";
-import { connectSheets } from "./controls/sheets";
 import { showToast } from "./ui/toast";
+import { OwnUploads } from "./uploads/ownUploads";
 import { acceptUploads } from "./uploads/upload";
 
 const uploads = new OwnUploads(() => localStorage);

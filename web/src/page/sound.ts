@@ -1,9 +1,9 @@
 /** The sound of the wind at the camera: filtered noise that follows the local gusts. Off until asked for. */
 import { effect } from "@preact/signals-core";
-import type { World } from "./forest/world";
-import type { Frame } from "./forest/frameLoop";
-import type { Store } from "./store/store";
 import { toggle } from "./controls/tools";
+import type { Frame } from "./forest/frameLoop";
+import type { World } from "./forest/world";
+import type { Store } from "./store/store";
 
 const NOISE_S = 4;
 /** Time constant with which the sound follows the wind, s. */

@@ -44,7 +44,9 @@ export function readInventory(given: unknown): Inventory {
   if (!isFields(document) || !Array.isArray(document.stems)) throw new InventoryError(NOT_CONVERTED);
   const { version, stems, report } = document;
   if (version !== INVENTORY_VERSION) {
-    throw new InventoryError(`version: this reader knows version ${INVENTORY_VERSION}, not ${String(version)}`);
+    throw new InventoryError(
+      `version: this reader knows version ${INVENTORY_VERSION}, not ${String(version)}`,
+    );
   }
   if (stems.length === 0) throw new InventoryError("stems: expected at least one");
   const read = stems.map((stem, index) => stemAt(stem, `stems[${index}]`));
@@ -93,5 +95,7 @@ function reportAt(report: unknown): Report {
       return { figures: figures as Report["figures"], notes };
     }
   }
-  throw new InventoryError("report: expected the texts `figures` by their names, and a list of texts `notes`");
+  throw new InventoryError(
+    "report: expected the texts `figures` by their names, and a list of texts `notes`",
+  );
 }

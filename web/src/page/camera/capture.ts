@@ -1,10 +1,10 @@
 /** Photos and short videos of the canvas, saved as files. */
 
+import { toggle, tool } from "../controls/tools";
 import type { World } from "../forest/world";
 import type { Store } from "../store/store";
 import { saveFile } from "../ui/saveFile";
 import { showToast } from "../ui/toast";
-import { toggle, tool } from "../controls/tools";
 
 const FILM_FPS = 30;
 const LONGEST_FILM_S = 20;
@@ -15,7 +15,9 @@ const stamp = () => new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
 
 /** The kind of video that this browser can record of a canvas; undefined if it cannot. */
 const filmKind = () =>
-  typeof MediaRecorder === "undefined" ? undefined : VIDEO_TYPES.find((kind) => MediaRecorder.isTypeSupported(kind));
+  typeof MediaRecorder === "undefined"
+    ? undefined
+    : VIDEO_TYPES.find((kind) => MediaRecorder.isTypeSupported(kind));
 
 function stop(recorder: MediaRecorder): void {
   if (recorder.state !== "inactive") recorder.stop();

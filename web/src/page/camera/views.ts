@@ -4,11 +4,11 @@ import { signal } from "@preact/signals-core";
 import { CameraFlight } from "../../scene/camera/cameraFlight";
 import { treeView } from "../../scene/camera/treeView";
 import { type Subject, VIEWS, type ViewName, viewpoint } from "../../scene/camera/viewpoints";
-import type { World } from "../forest/world";
+import { toggle, tool } from "../controls/tools";
 import type { Frame } from "../forest/frameLoop";
+import type { World } from "../forest/world";
 import type { Store } from "../store/store";
 import { make, makeButton, prefersCalm } from "../ui/dom";
-import { toggle, tool } from "../controls/tools";
 
 /** The camera is not taken out of hands that have moved it this long ago. */
 const AFTERWARDS_MS = 4000;

@@ -1,12 +1,12 @@
 /** Opens the comparison with the reference solution; its view is loaded when it is first opened. */
 
 import type { SpeciesForest } from "galewood/trees";
+import { tool } from "../controls/tools";
 import type { World } from "../forest/world";
 import { localError_m } from "../overlays/localError";
+import type { TreePicker } from "../picking/treePicker";
 import type { Catalogue } from "../server/catalogue";
 import type { Store } from "../store/store";
-import type { TreePicker } from "../picking/treePicker";
-import { tool } from "../controls/tools";
 import type { Candidate, CompareView } from "./compareView";
 
 export class Comparison {

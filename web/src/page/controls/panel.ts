@@ -11,9 +11,9 @@ import { LIMITS, type Settings } from "../settings/settings";
 import { WIND_LIMITS } from "../settings/windQuery";
 import { PLAYBACK_SPEEDS } from "../store/playback";
 import type { Store } from "../store/store";
-import { labelInputs } from "./accessible";
 import { element, make } from "../ui/dom";
 import { bearingFrom_deg, directionFrom_deg } from "../ui/instruments/beaufort";
+import { labelInputs } from "./accessible";
 
 const whole = (value: number) => Math.round(value).toLocaleString("en");
 const fine = (value: number) => value.toFixed(1);

@@ -23,7 +23,7 @@ function makeRoomFor(name: Name): void {
 }
 
 /** The wide page always shows its toolbar. */
-function fit(): void {
+function fitPanels(): void {
   if (!NARROW_PAGE.matches) show("tools", true);
   const open = NAMES.filter((name) => !element(name).hidden);
   if (NARROW_PAGE.matches && open.includes("tools")) show("tools", false);
@@ -42,6 +42,6 @@ export function connectSheets(instruments: boolean): void {
   show("panel", false);
   show("instruments", instruments && !PHONE_PAGE.matches);
   show("tools", true);
-  fit();
-  for (const width of [NARROW_PAGE, PHONE_PAGE]) width.addEventListener("change", fit);
+  fitPanels();
+  for (const width of [NARROW_PAGE, PHONE_PAGE]) width.addEventListener("change", fitPanels);
 }

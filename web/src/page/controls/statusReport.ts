@@ -1,8 +1,8 @@
 /** Writes the figures of the panel, the status line and the summary of the forest. */
 
 import type { Connection } from "galewood/client";
-import type { World } from "../forest/world";
 import type { FrameStatistics } from "../forest/frameStatistics";
+import type { World } from "../forest/world";
 import type { Catalogue } from "../server/catalogue";
 import type { Store } from "../store/store";
 import { element, make, makeButton, write } from "../ui/dom";

@@ -2,10 +2,10 @@
 
 import { meanCrownDisplacement_m } from "galewood/motion";
 import type { MovingGroup } from "../../scene/forest";
-import type { World } from "./world";
-import type { FrameStatistics } from "./frameStatistics";
 import type { PaperMethod } from "../paper/paperMethod";
 import type { Catalogue } from "../server/catalogue";
+import type { FrameStatistics } from "./frameStatistics";
+import type { World } from "./world";
 
 export class ForestFigures {
   constructor(

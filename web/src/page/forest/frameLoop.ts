@@ -1,8 +1,8 @@
 /** The frame loop: advances all that moves, draws the picture, and reports a few times per second. */
 
+import type { Store } from "../store/store";
 import { type FrameStatistics, isFrameDue } from "./frameStatistics";
 import type { World } from "./world";
-import type { Store } from "../store/store";
 
 const REPORT_EVERY_MS = 250;
 /** The scene stays static for this long while the first trees are loading. */

@@ -5,8 +5,6 @@ import { clearingPlace } from "../../scene/clearing";
 import { type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../../scene/forest";
 import { woodReach_m } from "../../scene/placement";
 import { placeStand } from "../../scene/stand";
-import type { World } from "./world";
-import type { ClientGroup } from "./forestClient";
 import type { PaperMethod } from "../paper/paperMethod";
 import { isRecorded } from "../paper/paperState";
 import type { Catalogue } from "../server/catalogue";
@@ -15,6 +13,8 @@ import type { Settings } from "../settings/settings";
 import { PLACEMENT_KEYS, placementOf } from "../settings/sharedForest";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
+import type { ClientGroup } from "./forestClient";
+import type { World } from "./world";
 
 /**
  * Places the trees: built-in ones and uploads that are planted among them share the forest, and every planted upload

@@ -11,14 +11,14 @@ import { Forest, type PickedTree, type PlacedSpecies } from "../../scene/forest"
 import type { Planted } from "../../scene/ground/farWood";
 import { groundHeight_m } from "../../scene/ground/landscape";
 import { Stage } from "../../scene/stage";
-import { ContextLoss } from "./contextLoss";
-import { ForestClient } from "./forestClient";
+import { showExaggeration } from "../controls/exaggerated";
 import { showPulls } from "../pulling/showPulls";
-import { speciesOptions } from "./speciesOptions";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { element } from "../ui/dom";
-import { showExaggeration } from "../controls/exaggerated";
+import { ContextLoss } from "./contextLoss";
+import { ForestClient } from "./forestClient";
+import { speciesOptions } from "./speciesOptions";
 
 /** A place above the ground, m. */
 export interface AboveGround {

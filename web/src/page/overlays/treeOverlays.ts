@@ -5,12 +5,11 @@ import { NodePose } from "galewood/motion";
 import { INSTANCE_FLOATS } from "galewood/trees";
 import { Group } from "three";
 import { exaggeration } from "../../scene/exaggeration";
-import type { World } from "../forest/world";
 import type { Frame } from "../forest/frameLoop";
+import type { World } from "../forest/world";
+import type { TreePicker } from "../picking/treePicker";
 import { Problem } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
-import type { TreePicker } from "../picking/treePicker";
-import { type OverlayKind, OverlayMenu } from "./overlayMenu";
 import {
   type Drawing,
   errorDrawing,
@@ -20,6 +19,7 @@ import {
   windDrawing,
 } from "./drawings";
 import { modesByFrequency, modeWords } from "./modes";
+import { type OverlayKind, OverlayMenu } from "./overlayMenu";
 import { structureOf } from "./structure";
 
 const millimetres = (error_m: Float32Array) => Math.max(...error_m) * 1000;

@@ -1,8 +1,9 @@
 /** The end of the upload dialog: progress and remaining time of the computation, which can be ended here. */
-import { isActive, type TreeChange } from "../server/api";
-import { make } from "../ui/dom";
+
 import { JobProgress } from "../progress/jobProgress";
 import { faultOf } from "../progress/progressCards";
+import { isActive, type TreeChange } from "../server/api";
+import { make } from "../ui/dom";
 
 export interface ComputingTools {
   cancel(): void;

@@ -14,12 +14,12 @@ import {
 import { IMPORT_LIMITS } from "../server/schema";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
+import type { OwnUploads } from "../uploads/ownUploads";
 import { type Assumed, assumedOf } from "./assumed";
 import { Computing } from "./computing";
 import { expectedMotionOf } from "./expectedMotion";
 import { button, numberField, row, select } from "./formRows";
 import { LivelinessChoice } from "./livelinessChoice";
-import type { OwnUploads } from "../uploads/ownUploads";
 import { Painting } from "./painting/painting";
 import { type PieceChoices, PieceList } from "./pieces";
 import { Preview } from "./preview";

@@ -19,7 +19,9 @@ export function scanFields(
     ["added", "Added"],
     ["none", "None"],
   ] as const;
-  const leaves = select(choices, bare ? "none" : "added", (value) => change({ add_leaves: value === "added" }));
+  const leaves = select(choices, bare ? "none" : "added", (value) =>
+    change({ add_leaves: value === "added" }),
+  );
   const low = "the trunk does not reach 1.3 m";
   return [
     row("Trunk (cm)", diameter, dbh_cm === null ? low : "diameter at 1.3 m; all radii are scaled with it"),

@@ -1,5 +1,7 @@
 /** Imports and computes all trees of a file, each as an upload of its own, and shows the progress of each. */
 import "./severalTrees.css";
+import { ProgressBar } from "../progress/progressBar";
+import { faultOf } from "../progress/progressCards";
 import {
   changeAssumptions,
   copyTree,
@@ -12,11 +14,9 @@ import {
   type TreeChange,
 } from "../server/api";
 import { make } from "../ui/dom";
-import { faultOf } from "../progress/progressCards";
-import { ProgressBar } from "../progress/progressBar";
+import type { OwnUploads } from "../uploads/ownUploads";
 import type { Assumed, FoundTree } from "./assumed";
 import { type ExpectedMotion, expectedMotionOf, isAdjustable } from "./expectedMotion";
-import type { OwnUploads } from "../uploads/ownUploads";
 
 /** The name of each tree: its own in the file, or that of the upload with its number. Pure. */
 export function namesOf(upload: string, trees: readonly FoundTree[]): string[] {

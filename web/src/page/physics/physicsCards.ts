@@ -1,11 +1,12 @@
 /** A dialog with one card per tree of the forest that lists its physical properties. */
+
+import { tool } from "../controls/tools";
 import { paperStateOf, stateWords } from "../paper/paperState";
 import type { Catalogue, KnownTree } from "../server/catalogue";
 import { reportOf } from "../server/reports";
 import { make, makeButton } from "../ui/dom";
-import { type Fact, factsOf } from "./physics";
-import { tool } from "../controls/tools";
 import { displayName } from "../ui/words";
+import { type Fact, factsOf } from "./physics";
 
 function factRow({ name, value, meaning }: Fact): HTMLElement {
   const row = make("div");
@@ -55,7 +56,9 @@ export class PhysicsCards {
 
   open(): void {
     if (this.dialog.open) return;
-    const ready = this.catalogue.known.filter(({ tree }) => tree.state === "ready" || tree.state === "preliminary");
+    const ready = this.catalogue.known.filter(
+      ({ tree }) => tree.state === "ready" || tree.state === "preliminary",
+    );
     this.cards.replaceChildren(...ready.map(card));
     if (ready.length === 0) this.cards.append(make("p", "No tree has been computed yet."));
     this.dialog.showModal();

@@ -2,17 +2,17 @@
 import { effect } from "@preact/signals-core";
 import type { PaperMethod } from "../paper/paperMethod";
 import { onlyExtrasLeft, stateWords } from "../paper/paperState";
+import { chosenStiffness } from "../physics/physics";
 import { cancelJob, jobPictures, Problem, pictureUrl, type Tree } from "../server/api";
 import type { Catalogue, KnownTree } from "../server/catalogue";
 import { reportOf } from "../server/reports";
 import { plantAs, plantedAs } from "../settings/planted";
 import type { Store } from "../store/store";
-import type { PickedFigures, TreePicker } from "./treePicker";
 import { element, make, makeButton, write } from "../ui/dom";
-import { chosenStiffness } from "../physics/physics";
-import { PlantedChoice } from "./plantedChoice";
 import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
+import { PlantedChoice } from "./plantedChoice";
+import type { PickedFigures, TreePicker } from "./treePicker";
 
 /** What other features offer for the selected tree. */
 export interface CardParts {

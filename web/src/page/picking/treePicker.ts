@@ -5,8 +5,8 @@ import type { TreeAt } from "galewood/client";
 import { Vector3 } from "three";
 import type { MovingGroup, PickedTree } from "../../scene/forest";
 import { PickRing } from "../../scene/overlays/pickRing";
-import type { World } from "../forest/world";
 import type { Frame } from "../forest/frameLoop";
+import type { World } from "../forest/world";
 import type { Store } from "../store/store";
 
 /** Current figures of the picked tree. */

@@ -1,9 +1,10 @@
 /** Bar, percentage and remaining time of one computation; counts down between the server's reports. */
-import { RemainingTime } from "./remainingTime";
+
 import type { Job } from "../server/api";
 import { make } from "../ui/dom";
-import { ProgressBar } from "./progressBar";
 import { progressLine } from "../ui/words";
+import { ProgressBar } from "./progressBar";
+import { RemainingTime } from "./remainingTime";
 
 const TICK_MS = 1000;
 const now_s = () => performance.now() / 1000;

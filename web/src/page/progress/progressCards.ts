@@ -3,14 +3,14 @@
  * here. Only the owner of an upload can end its computation.
  */
 
-import { onlyExtrasLeft } from "../paper/paperState";
 import type { World } from "../forest/world";
+import { onlyExtrasLeft } from "../paper/paperState";
 import { isActive, type Job, pictureUrl, type Tree, type TreeChange } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
 import { watch } from "../store/signals";
 import { element, make, makeButton } from "../ui/dom";
-import { JobProgress } from "./jobProgress";
 import { displayName } from "../ui/words";
+import { JobProgress } from "./jobProgress";
 
 const FAREWELL_MS = 4000;
 /** Longer, because there is something to press. */

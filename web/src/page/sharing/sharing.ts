@@ -1,14 +1,15 @@
 /** Links to this forest: copies them, shares the forest with others, shows who is here, and the code that embeds it. */
+
+import { tool } from "../controls/tools";
 import type { World } from "../forest/world";
 import { canBeShared } from "../inventory/inventoryPlanting";
-import { embedCode } from "./embedCode";
 import { type Moment, shareQuery } from "../settings/link";
 import { withShared } from "../settings/sharedForest";
 import type { Store } from "../store/store";
+import { showToast } from "../ui/toast";
+import { embedCode } from "./embedCode";
 import { showEmbedCode } from "./embedDialog";
 import { makeSharingCard } from "./sharingCard";
-import { showToast } from "../ui/toast";
-import { tool } from "../controls/tools";
 
 const ID_LETTERS = "abcdefghijkmnpqrstuvwxyz23456789";
 const ID_LENGTH = 12;

@@ -1,14 +1,15 @@
 /** The visitor's uploads in the forest: plants them, marks them while they are computed, leads their owner to them. */
-import { onlyExtrasLeft } from "../paper/paperState";
+
 import type { Views } from "../camera/views";
 import type { World } from "../forest/world";
+import { onlyExtrasLeft } from "../paper/paperState";
+import type { ProgressTools } from "../progress/progressCards";
 import { cancelJob, deleteTree, isActive, Problem, startPrecompute, type TreeChange } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
 import { plantAs, plantedAs } from "../settings/planted";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { prefersCalm } from "../ui/dom";
-import type { ProgressTools } from "../progress/progressCards";
 import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
 import type { OwnUploads } from "./ownUploads";

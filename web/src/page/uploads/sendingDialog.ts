@@ -1,8 +1,8 @@
 /** Shows a file on its way to the server, with the remaining time; closing the dialog ends the upload. */
 import "../ownTree/ownTree.css";
+import { ProgressBar } from "../progress/progressBar";
 import { type ReportedTree, uploadTree } from "../server/api";
 import { make, makeButton } from "../ui/dom";
-import { ProgressBar } from "../progress/progressBar";
 import { timeLeft } from "../ui/words";
 
 /** Short uploads need no dialog. */

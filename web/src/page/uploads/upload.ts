@@ -1,12 +1,12 @@
 /** Uploads of trees, chosen with the button or dropped anywhere on the page. */
 import type { DataFiles } from "../files/dataFiles";
-import { type Chosen, chosenFiles, droppedFiles, grouped, uploadOf } from "./fileGroups";
-import type { OwnUploads } from "./ownUploads";
-import { sendFile } from "./sendingDialog";
 import { Problem } from "../server/api";
 import { element } from "../ui/dom";
 import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
+import { type Chosen, chosenFiles, droppedFiles, grouped, uploadOf } from "./fileGroups";
+import type { OwnUploads } from "./ownUploads";
+import { sendFile } from "./sendingDialog";
 
 async function send(file: File, uploads: OwnUploads): Promise<void> {
   try {

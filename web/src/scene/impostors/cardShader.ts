@@ -4,8 +4,8 @@ import { NODE_TEXEL } from "galewood/trees";
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
 import { CROWN_LIGHT } from "../treeSurface/treeLight";
 import { COLOUR_SIDE } from "./baking/atlasLayout";
-import { FLAT_VARYINGS, LIGHT_GLSL, NORMAL_GLSL, SURFACE_GLSL } from "./cardSurface";
 import { OCTAHEDRAL_GLSL } from "./baking/octahedral";
+import { FLAT_VARYINGS, LIGHT_GLSL, NORMAL_GLSL, SURFACE_GLSL } from "./cardSurface";
 
 /**
  * `SIMULATED`: the card follows two nodes of its own simulated tree. Otherwise its tip moves between two displacements.

@@ -1,12 +1,5 @@
 /** The point at which a tree is pulled, and a line to where the hand is. Drawn over the trees. */
-import {
-  CylinderGeometry,
-  Group,
-  Mesh,
-  MeshBasicMaterial,
-  SphereGeometry,
-  Vector3,
-} from "three";
+import { CylinderGeometry, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from "three";
 
 /** Sizes relative to the distance from the eye. */
 const KNOB_SIZE_RATIO = 0.0065;
