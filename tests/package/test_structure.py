@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from scripts import structure as limits
+
 REPOSITORY = Path(__file__).parents[2]
 VULTURE = Path(sys.executable).with_name("vulture")
 NODE_MODULES = REPOSITORY / "web" / "node_modules"
@@ -85,9 +87,6 @@ def test_a_function_of_ten_parameters_is_found(tmp_path: Path, text: str) -> Non
 
 
 def test_an_exception_that_is_not_needed_is_found(tmp_path: Path) -> None:
-    sys.path.insert(0, str(REPOSITORY / "scripts"))
-    import structure as limits
-
     known = {"crowded": 20, "small": 18, "gone": 16}
     assert limits.problems("source files", {"crowded": 21, "small": 15}, 15, known) == [
         "crowded: 21 source files, at most 20",

@@ -55,7 +55,7 @@ def tree(mesh: Path) -> galewood.Tree:
 @pytest.fixture(scope="module")
 def table(tree: galewood.Tree, cache_dir: Path) -> galewood.MotionTable:
     stages: list[str] = []
-    options = QUICK | {"reference_frames": 12}
+    options: dict[str, Any] = QUICK | {"reference_frames": 12}
     built = galewood.build(
         tree, on_progress=lambda now: stages.append(now.stage), cache_dir=cache_dir, **options
     )

@@ -169,7 +169,7 @@ def test_the_search_can_be_cancelled() -> None:
 def test_nearest_pressure_matches_a_full_search() -> None:
     rng = np.random.default_rng(9)
     pressure = rng.integers(-6, 7, size=(300, 2)).astype(np.float64)  # many equal ones
-    barred, calm = rng.random(300) < 0.3, ~pressure.any(axis=1)
+    barred, calm = rng.random(300) < 0.3, np.logical_not(np.any(pressure, axis=1))
     by_x, nothing = np.argsort(pressure[:, 0], kind="stable"), np.zeros(0, np.int64)
     search = SearchArrays(nothing, nothing, np.zeros(0), pressure, calm, barred, by_x, 1.0)
     for _ in range(500):

@@ -11,7 +11,7 @@ from galewood.cli.commands import app
 from galewood.mesh import TreeMesh
 from galewood.mesh.importer import read_tree
 from galewood.model import beam_model, typical_frequency_hz
-from galewood.options import BuildRequest
+from galewood.options import BuildRequest, ImportRequest
 from galewood.pipeline import BuildOptions, expected_motion, motion_lines
 from galewood.pipeline.expected import length_words, steady_sway_m
 from galewood.pipeline.kernel_compilation import small_tree_obj

@@ -10,8 +10,8 @@ import pytest
 from galewood.mesh.beside import mesh_with_companions
 from galewood.mesh.colours import linear_from_srgb
 from galewood.mesh.importer import read_tree
-from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface
+from galewood.options import ImportRequest
 from PIL import Image
 
 from tests.precompute import tree_meshes as make

@@ -7,9 +7,9 @@ import meshopt
 import numpy as np
 import pytest
 from galewood.mesh.importer import read_tree, render_glb
-from galewood.options import ImportRequest
 from galewood.mesh.repair import Surface
 from galewood.mesh.sandboxed import import_mesh_sandboxed
+from galewood.options import ImportRequest
 from PIL import Image
 
 from tests.precompute import tree_meshes as make

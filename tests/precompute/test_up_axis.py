@@ -10,8 +10,8 @@ from galewood.mesh.importer import read_tree
 from galewood.mesh.joined_parts import joined_parts
 from galewood.mesh.pieces import find_pieces
 from galewood.mesh.types import RawPart
-from galewood.options import ImportRequest
 from galewood.mesh.upright import ground, section_thickness
+from galewood.options import ImportRequest
 
 from tests.precompute import tree_meshes as make
 from tests.precompute.labelled_shapes import terrain, together, tube

@@ -50,9 +50,10 @@ def with_options_of(
 
     def option(name: str) -> inspect.Parameter:
         field, flag = model.model_fields[name], name.replace("_", "-")
-        switch = field.annotation in (bool, bool | None)
+        annotated: Any = field.annotation
+        switch = annotated in (bool, bool | None)
         flags = f"--{flag}/--no-{flag}" if switch else f"--{flag}"
-        kind: Any = list[str] | None if name in several else field.annotation
+        kind: Any = list[str] | None if name in several else annotated
         annotation = Annotated[kind, typer.Option(flags, help=field.description)]
         return inspect.Parameter(
             name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=annotation

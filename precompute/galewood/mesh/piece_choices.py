@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from galewood.mesh.painted import RANGE_PATTERN
@@ -52,7 +53,7 @@ def read_choices(
     ids = {name for group in groups for name in group.ids}
     by_id: dict[str, GroupKind] = {}
     by_name: dict[str, GroupKind] = {}
-    given: tuple[tuple[GroupKind, tuple[str, ...]], ...] = (
+    given: tuple[tuple[GroupKind, Sequence[str]], ...] = (
         ("wood", options.wood_parts or ()),
         ("leaves", options.leaves or ()),
         ("other", options.drop or ()),

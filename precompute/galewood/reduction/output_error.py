@@ -138,7 +138,8 @@ class Simulation:
         by_force = np.zeros_like(force)
         if not np.isfinite(cost):
             return np.inf, by_force
-        _go_back(*arguments, by_e, by_force)
+        backwards: tuple[Any, ...] = (*arguments, by_e, by_force)
+        _go_back(*backwards)
         return cost, by_force
 
 

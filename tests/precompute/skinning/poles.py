@@ -48,7 +48,8 @@ def pole_with_branch(points: int = 101, beside: int = 20) -> Axis:
     )
     count = points + beside
     moved, turned = csr_matrix(np.eye(count)), csr_matrix((3 * count, 3 * count))
-    return Axis(np.concatenate([stem, branch]), parent, np.full(count, 0.1), moved, turned)
+    points_m = np.concatenate([stem, branch]).astype(np.float64)
+    return Axis(points_m, parent, np.full(count, 0.1), moved, turned)
 
 
 def bent(axis: Axis, angle: Floats) -> AxisPoses:
