@@ -19,7 +19,7 @@ The pose is cheap to import; all other names are loaded when they are first used
 
 from typing import TYPE_CHECKING
 
-from galewood.skinning.node_pose import (
+from galewood.skinning.node_poses import (
     Pose,
     drawn_positions,
     joint_pose,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     )
     from galewood.skinning.skin import MotionSamples, Skin, make_skin
     from galewood.skinning.smoothed_weights import smoothed_bindings
-    from galewood.skinning.vertex_bindings import vertex_bindings
+    from galewood.skinning.surface_bindings import vertex_bindings
 
 __getattr__ = lazily(
     __name__,
@@ -67,7 +67,7 @@ __getattr__ = lazily(
         "Skin": "galewood.skinning.skin",
         "make_skin": "galewood.skinning.skin",
         "smoothed_bindings": "galewood.skinning.smoothed_weights",
-        "vertex_bindings": "galewood.skinning.vertex_bindings",
+        "vertex_bindings": "galewood.skinning.surface_bindings",
     },
 )
 __all__ = [

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.skinning.distortion import Contacts, Distortion
-from galewood.skinning.node_pose import SkinLike
+from galewood.skinning.node_poses import SkinLike
 from galewood.skinning.skin import MAX_NODES
 from galewood.util import Floats, Ints
 

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from galewood.skinning.node_pose import turned
+from galewood.skinning.node_poses import turned
 from galewood.util import Floats, Ints
 
 RIGID_TOLERANCE_SHARE = 0.5

@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 from galewood.mesh import RenderPrimitive, TreeMesh, unique_edges
 from galewood.skinning.attachment import PIECE_SAMPLES, SUPPORT_SAMPLES, edge_samples
 from galewood.skinning.embedding import foliage_pieces
-from galewood.skinning.node_pose import SkinLike, drawn_positions
+from galewood.skinning.node_poses import SkinLike, drawn_positions
 from galewood.util import Floats, Ints
 
 FIGURE_SWAY = 0.2

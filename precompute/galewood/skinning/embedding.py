@@ -3,7 +3,7 @@
 Wood vertices follow the tet that contains them. Each connected piece of foliage or twigs follows the single
 point where it is nearest to the wood, so that leaf cards are not deformed. Only pieces as large as a crown
 follow the wood vertex by vertex. The embedding decides where masses, wind and pulls act; what is drawn is
-bound to the axis (``galewood.skinning.vertex_bindings``).
+bound to the axis (``galewood.skinning.surface_bindings``).
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from galewood.skinning.stretch_minimisation import (
     axis_poses,
     posed_positions,
 )
-from galewood.skinning.vertex_bindings import vertex_bindings
+from galewood.skinning.surface_bindings import vertex_bindings
 from galewood.skinning.wood_bindings import WeldedPrimitive, welded_primitive
 from galewood.util import Floats, Ints
 

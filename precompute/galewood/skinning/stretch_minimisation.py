@@ -15,7 +15,7 @@ from scipy.sparse import csr_matrix
 
 from galewood.skinning.axis import Axis
 from galewood.skinning.bindings import AxisPaths
-from galewood.skinning.node_pose import limit_stretch, turned
+from galewood.skinning.node_poses import limit_stretch, turned
 from galewood.util import Floats, Ints
 
 FREE_STRETCH = 1.02

@@ -57,8 +57,9 @@ class TreeSummary(BaseModel):
     build job.
 
     `records_sha256` is null until the records of the paper's state search are computed. `bare_table_sha256`
-    is the table of the same mesh without its leaves, for the winter; null: there is none. `form`: grown in the open, or slender between other trees; a built-in
-    species may have one tree of each form. `compliance_sha256` is needed only to pull the tree at a point.
+    is the table of the same mesh without its leaves, for the winter; null: there is none. `form`: grown
+    in the open, or slender between other trees; a built-in species may have one tree of each form.
+    `compliance_sha256` is needed only to pull the tree at a point.
     `updated_at` changes with every change of the tree, also of its report.
     """
 
