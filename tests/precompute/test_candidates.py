@@ -114,8 +114,8 @@ def test_candidates_of_random_states_match_brute_force(
 def test_counting_in_stages_finds_all_mismatches(
     monkeypatch: pytest.MonkeyPatch, head: int, rare: float, digits: int
 ) -> None:
-    monkeypatch.setattr(contenders, "HEAD", head)
-    monkeypatch.setattr(contenders, "RARE", rare)
+    monkeypatch.setattr(contenders, "MAX_BOUND_COMPONENTS", head)
+    monkeypatch.setattr(contenders, "RARE_MATCH_SHARE", rare)
     states, _, _ = random_runs(np.random.default_rng(13), digits)
     layout = compared(states)
     parts, exact = contenders.stages(layout), mismatch_rows(layout, 37, 96)
@@ -134,7 +134,7 @@ def test_records_ruled_out_by_their_bounds_change_nothing(
     states, pressure, starts = random_runs(np.random.default_rng(seed), digits)
     layout, air = compared(states), air_of(pressure, starts)
     rule = Rule(states.components, sigma_pa, initial, maximum)
-    monkeypatch.setattr(contenders, "HEAD", 20)
+    monkeypatch.setattr(contenders, "MAX_BOUND_COMPONENTS", 20)
     found = build_search(layout, air, rule)
 
     def choose_all(*arguments: Any) -> None:

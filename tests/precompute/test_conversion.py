@@ -49,7 +49,7 @@ def test_other_files_are_not(text: str) -> None:
 
 
 def test_faults_are_those_of_the_readers() -> None:
-    with pytest.raises(InventoryError, match="line 2: no place"):
+    with pytest.raises(InventoryError, match="line 2: no coordinates"):
         read_data_file(b"x,y,height\n0,,3\n")
     with pytest.raises(MeasurementError, match="line 2, column 'speed': 'fast' is not a number"):
         read_data_file(b"time,speed,direction\n0,fast,270\n")

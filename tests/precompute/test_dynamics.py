@@ -123,7 +123,7 @@ def test_model_file_round_trip_is_exact(tmp_path: Path) -> None:
 def test_a_tree_that_no_stiffness_lets_stand_is_weightless_with_a_warning(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(support, "STIFFEST", 1.5)
+    monkeypatch.setattr(support, "MAX_STIFFENING_FACTOR", 1.5)
     bar = polygon_bar(sides=5, radius_m=0.004, length_m=6.0, layers=30)
     model = build_model(bar, bar, wood_of_species("poplar"), bar, FemSettings(element="quadratic"))
     assert model.report["rest_pose"]["kind"] == "weightless"

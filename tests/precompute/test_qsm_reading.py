@@ -180,7 +180,7 @@ def test_a_given_diameter_replaces_the_unit_of_the_radii() -> None:
 def test_what_is_unusual_comes_with_a_warning() -> None:
     level = replace(make.y_model(), start_m=make.y_model().start_m[:, [2, 1, 0]] + [0, 0, 2])
     level = replace(level, end_m=make.y_model().end_m[:, [2, 1, 0]] + [0, 0, 2])
-    assert any("hardly rises" in words for words in read_tree(make.archi(level), "a.csv").report["warnings"])
+    assert any("barely rises" in words for words in read_tree(make.archi(level), "a.csv").report["warnings"])
     swollen = read_tree(with_value("radius_m", 2, 0.5), "a.csv").report["warnings"]
     assert any("more than 3 times as thick" in words for words in swollen)
     assert not any("thick as" in words for words in read_tree(changed(), "a.csv").report["warnings"])

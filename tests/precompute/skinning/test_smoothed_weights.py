@@ -43,7 +43,7 @@ def test_a_calm_limb_keeps_its_bindings() -> None:
 
 
 def test_a_thick_foot_shares_its_bend_better_than_vertices_one_by_one(monkeypatch) -> None:
-    monkeypatch.setattr(smoothing, "TRIES", 1)
+    monkeypatch.setattr(smoothing, "MAX_TRIES", 1)
     axis, wood, poses = flared()
     welded = welded_primitive(wood)
     initial = wood_bindings(wood, axis).take(welded.first)
@@ -56,7 +56,7 @@ def test_a_thick_foot_shares_its_bend_better_than_vertices_one_by_one(monkeypatc
 
 
 def test_fixed_vertices_keep_their_bindings(monkeypatch) -> None:
-    monkeypatch.setattr(smoothing, "TRIES", 1)
+    monkeypatch.setattr(smoothing, "MAX_TRIES", 1)
     axis, wood, poses = flared()
     welded = welded_primitive(wood)
     paths = axis.paths
