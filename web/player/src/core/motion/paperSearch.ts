@@ -9,7 +9,7 @@ import { lastRecords, poses, type Records } from "../table/records";
 import { fittedModes, type Table } from "../table/table";
 import { TreeInstances } from "./treeInstances";
 
-const DIVISOR = 2 ** EXPONENTIAL_SQUARINGS;
+const SQUARING_DIVISOR = 2 ** EXPONENTIAL_SQUARINGS;
 /** Taylor series of exp(−t) for small t. */
 const TERMS = new Float64Array(EXPONENTIAL_TERMS);
 for (let n = 0, factorial = 1; n < EXPONENTIAL_TERMS; factorial *= ++n)
@@ -17,7 +17,7 @@ for (let n = 0, factorial = 1; n < EXPONENTIAL_TERMS; factorial *= ++n)
 
 /** 1 − exp(−exponent) for exponent ≥ 0, from sums and products only, so that it is bit-identical in all languages. */
 export function gaussian(exponent: number): number {
-  const t = Math.min(exponent, 50) / DIVISOR;
+  const t = Math.min(exponent, 50) / SQUARING_DIVISOR;
   let p = TERMS[EXPONENTIAL_TERMS - 1];
   for (let n = EXPONENTIAL_TERMS - 2; n >= 0; n--) p = p * t + TERMS[n];
   for (let squaring = 0; squaring < EXPONENTIAL_SQUARINGS; squaring++) p *= p;
