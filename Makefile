@@ -24,7 +24,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species constants golden page-types audit clean
+.PHONY: help run build player wheel test test-long test-all check docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -79,17 +79,17 @@ run: ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line $(VENV)/.base web/dist/index.html
 	@$(BIN)/galewood serve
 
-test: ## set everything up and run every test
+test: ## set everything up and run the tests of what the software promises; test-long has the others
 	@# what only reads the sources runs side by side, and so do both set-ups; the tests follow
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target build/.kernels wheel check docs test-web
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target build/.kernels check web/dist/index.html test-web
 	@# the browser's tests wait for much of their time; the Python tests use it
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-python test-e2e
 
-test-fast: $(VENV)/.dev web/node_modules/.stamp build/.kernels ## the unit tests of both languages: no browser, no server, no build
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-web test-python-fast
+test-long: ## the tests that `make test` leaves out: the wheel, documents, whole builds, random damage, bundlers
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target wheel docs
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-python-long test-e2e-long
 
-test-python-fast: $(VENV)/.dev
-	$(PYTEST) -n 2 --dist loadfile -m "not slow and not species"
+test-all: test test-long ## every test but those of `make test-species` and `make test-distributed`
 
 check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .
@@ -102,8 +102,11 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
 	$(BIN)/hadolint Dockerfile
 
-test-python: $(VENV)/.dev wheel ## the Python tests, two files at a time; the installed wheel's among them
-	$(PYTEST) -n 2 --dist loadfile
+test-python: $(VENV)/.dev
+	$(PYTEST) -n 2 --dist loadfile -m "not long and not species"
+
+test-python-long: $(VENV)/.dev wheel
+	$(PYTEST) -n 2 --dist loadfile -m long
 
 test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
 	$(PYTEST) -m species -rP tests/precompute/test_species_accuracy.py
@@ -121,7 +124,10 @@ test-web: web/node_modules/.stamp web/player/dist/core.js ## the TypeScript unit
 	cd web && npm test --silent
 
 test-e2e: build player browser ## the page in a real Chromium against a real server
-	cd web && npm run --silent e2e
+	cd web && npm run --silent e2e -- --grep-invert @long
+
+test-e2e-long: build player browser
+	cd web && npm run --silent e2e -- --grep @long
 
 browser: web/node_modules/.stamp ## a Chromium for the tests, where the machine has none
 	@scripts/install-browser

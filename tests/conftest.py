@@ -1,4 +1,4 @@
-"""Order of the tests, and which of them `make test-fast` leaves out."""
+"""Order of the tests, and which of them `make test` leaves to `make test-long`."""
 
 import os
 from collections.abc import Iterator
@@ -11,18 +11,17 @@ os.environ.update(SINGLE_THREADED)
 
 from galewood.util import worker_pool
 
-LONGEST = (
-    "test_wheel", "test_build_end_to_end", "test_accuracy", "test_verify_planted", "test_jobs", "test_leases",
-    "test_verify_species", "test_paper", "test_evaluations", "test_evaluate", "test_api", "test_pipeline",
-    "test_untrusted_uploads", "test_determinism", "test_snippets",
+LONG_FILES = (
+    "test_snippets", "test_wheel", "test_pipeline", "test_verify_planted", "test_evaluate", "test_api",
+    "test_paper", "test_verify_species", "test_event_loop", "test_field", "test_foundation",
+    "test_radius_correction", "test_candidates", "test_start_failures", "test_mesh_untrusted_text",
+    "test_wind_statistics", "test_skeleton", "test_peers", "test_untrusted_uploads", "test_stalls_and_damage",
+    "test_leases", "test_outline", "test_support", "test_determinism", "test_guarded_process", "test_stop",
+    "test_evaluations", "test_shipped_trees", "test_openapi", "test_structure", "test_corpus",
 )  # fmt: skip
-"""The longest files come first, so that no process of a parallel run ends with one of them alone."""
-SLOW = {
-    *LONGEST, "test_openapi", "test_wind_statistics", "test_corpus", "test_tetrahedra",
-    "test_bench", "test_field",
-}  # fmt: skip
-"""Files that build a tree or simulate for long."""
-SLOW_FIXTURES = {"start_server", "server", "api"}
+"""Files of `make test-long`, the longest first: no process of a parallel run ends with one of them alone."""
+LONG_BUT_ALWAYS_RUN = ("test_build_end_to_end", "test_accuracy", "test_jobs")
+"""Long files that stay in `make test`, because they guard what the software promises first."""
 
 
 @pytest.fixture(scope="module")
@@ -38,11 +37,13 @@ def one_worker() -> Iterator[None]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    order = [*LONG_BUT_ALWAYS_RUN, *LONG_FILES]
+
     def place(item: pytest.Item) -> int:
         name = item.path.stem
-        return LONGEST.index(name) if name in LONGEST else len(LONGEST)
+        return order.index(name) if name in order else len(order)
 
     items.sort(key=place)
     for item in items:
-        if item.path.stem in SLOW or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
-            item.add_marker("slow")
+        if item.path.stem in LONG_FILES:
+            item.add_marker("long")

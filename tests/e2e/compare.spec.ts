@@ -13,7 +13,7 @@ test.use({ deviceScaleFactor: 0.5, drawn: "sometimes" });
  */
 const MODAL_ERROR_PERCENT = 1;
 
-test("the modal model is closer to the reference solution than the paper's state search", async ({ page }) => {
+test("the modal model is closer to the reference solution than the paper's state search", { tag: "@long" }, async ({ page }) => {
   test.setTimeout(10 * 60_000);
   await page.setViewportSize({ width: 800, height: 600 });
   await open(page, `${panelled}&speed=10`);

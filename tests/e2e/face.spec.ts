@@ -17,7 +17,7 @@ const share = (a: Picture, b: Picture, tolerance: number) => changedPixels(a, b,
 test.describe("pictures", () => {
   test.use({ deviceScaleFactor: 0.5, drawn: "always" });
 
-  test("every season and the evening look different", async ({ page }) => {
+  test("every season and the evening look different", { tag: "@long" }, async ({ page }) => {
     await open(page, still);
     await forest(page);
     await background(page);
@@ -160,7 +160,7 @@ test.describe("on a wide page", () => {
   test.describe("pictures of it", () => {
     test.use({ deviceScaleFactor: 0.25, drawn: "always" });
 
-    test("tools: view, fly-through, photo, video", async ({ page }) => {
+    test("tools: view, fly-through, photo, video", { tag: "@long" }, async ({ page }) => {
       test.setTimeout(6 * 60_000);
       await page.setViewportSize({ width: 800, height: 300 });
       await open(page, "quality=low&trees=2&speed=5&background=0");

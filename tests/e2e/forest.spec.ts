@@ -23,7 +23,7 @@ test.describe("pictures", () => {
   });
 
   for (const lookup of ["worker", "server"] as const) {
-    test(`still air: no pixel changes (${lookup})`, async ({ page }) => {
+    test(`still air: no pixel changes (${lookup})`, { tag: lookup === "server" ? "@long" : [] }, async ({ page }) => {
       await open(page, `${SMALL}&speed=0&lookup=${lookup}`);
       await forest(page);
       await background(page);
@@ -36,7 +36,7 @@ test.describe("pictures", () => {
     });
   }
 
-  test("the forest goes on beyond the simulated trees", async ({ page }) => {
+  test("the forest goes on beyond the simulated trees", { tag: "@long" }, async ({ page }) => {
     await open(page, SMALL.replace("background=0", "background=1"));
     await forest(page);
     await background(page);
@@ -45,7 +45,7 @@ test.describe("pictures", () => {
 });
 
 for (const lookup of ["worker", "server"] as const) {
-  test(`the wind dies down and the trees come to rest (${lookup})`, async ({ page }) => {
+  test(`the wind dies down and the trees come to rest (${lookup})`, { tag: lookup === "server" ? "@long" : [] }, async ({ page }) => {
     await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=4&lookup=${lookup}`);
     await forest(page);
     await expect.poll(() => sway_m(page)).toBeGreaterThan(0.02);

@@ -48,7 +48,7 @@ interface Host {
   end(): void;
 }
 
-test("the example notebook shows trees that sway, in a wind that Python and the page change", async ({ page }) => {
+test("the example notebook shows trees that sway, in a wind that Python and the page change", { tag: "@long" }, async ({ page }) => {
   const widget = shown();
   expect(widget.model_name).toBe("AnyModel");
   await page.route("http://notebook.test/", (route) =>

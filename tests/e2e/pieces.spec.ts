@@ -39,7 +39,7 @@ test.describe("painting", () => {
   // What is under the brush is read from a drawn picture.
   test.use({ drawn: "always" });
 
-  test("pieces are painted in the picture, undone and applied", async ({ page }) => {
+  test("pieces are painted in the picture, undone and applied", { tag: "@long" }, async ({ page }) => {
     test.setTimeout(5 * 60_000);
     page.setDefaultTimeout(2 * 60_000);
     await page.setViewportSize({ width: 900, height: 600 });

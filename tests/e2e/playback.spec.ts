@@ -24,7 +24,7 @@ for (const lookup of ["worker", "server"] as const) {
 test.describe("the picture", () => {
   test.use({ drawn: "always" });
 
-  test("a single step moves the trees once", async ({ page }) => {
+  test("a single step moves the trees once", { tag: "@long" }, async ({ page }) => {
     await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=14`);
     await forest(page);
     await expect.poll(() => sway_m(page)).toBeGreaterThan(0.02);

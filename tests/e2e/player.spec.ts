@@ -36,7 +36,7 @@ for (const [name, bundle, three, release] of [
   ["webpack", withWebpack, "three-185", "0.185"],
   ["esbuild", withEsbuild, "three-184", "0.184"],
 ] satisfies [string, Bundle, string, string][]) {
-  test(`the same scene, bundled by ${name}, three.js ${release}`, async ({ page }) => {
+  test(`the same scene, bundled by ${name}, three.js ${release}`, { tag: "@long" }, async ({ page }) => {
     const out = join(folder, name);
     await bundle(three, out);
     await page.goto(`${await serving(out)}/`);
@@ -44,7 +44,7 @@ for (const [name, bundle, three, release] of [
   });
 }
 
-test("the custom element, whose wind can be changed", async ({ page }) => {
+test("the custom element, whose wind can be changed", { tag: "@long" }, async ({ page }) => {
   await page.goto(`${await serving(EXAMPLES)}/element/`);
   await swaying(page);
   await expect(page.getByRole("img", { name: "Trees swaying in the wind" })).toBeVisible();
@@ -56,7 +56,7 @@ test("the custom element, whose wind can be changed", async ({ page }) => {
   await expect(page.locator("canvas")).toHaveCount(0);
 });
 
-test("react-three-fiber: trees sway, and can be clicked", async ({ page }) => {
+test("react-three-fiber: trees sway, and can be clicked", { tag: "@long" }, async ({ page }) => {
   await bundled("r3f", "three", join(folder, "r3f"));
   await page.goto(`${await serving(join(folder, "r3f"))}/`);
   await swaying(page);
@@ -65,7 +65,7 @@ test("react-three-fiber: trees sway, and can be clicked", async ({ page }) => {
   await expect(page.locator("output")).toHaveText("Tree 1");
 });
 
-test("a shared forest that the service streams: everyone sees a change of the wind", async ({ page, context }) => {
+test("a shared forest that the service streams: everyone sees a change of the wind", { tag: "@long" }, async ({ page, context }) => {
   const address = `${await serving(EXAMPLES, process.env.BASE_URL)}/streamed/?share=test-${Date.now()}`;
   await page.goto(address);
   await swaying(page);
@@ -79,7 +79,7 @@ test("a shared forest that the service streams: everyone sees a change of the wi
   await expect(page.locator("output")).toHaveText("alone");
 });
 
-test("Babylon.js, moved by galewood/core", async ({ page }) => {
+test("Babylon.js, moved by galewood/core", { tag: "@long" }, async ({ page }) => {
   await bundled("babylon", "three", join(folder, "babylon"));
   await page.goto(`${await serving(join(folder, "babylon"))}/`);
   await swaying(page);
@@ -95,7 +95,7 @@ interface Features {
   time_s: number;
 }
 
-test("any material, any matrix, an inventory, shadows of three kinds of light, picking, a wind as a function", async ({ page }) => {
+test("any material, any matrix, an inventory, shadows of three kinds of light, picking, a wind as a function", { tag: "@long" }, async ({ page }) => {
   const base = await serving(resolve(__dirname, "player"));
   await page.goto(`${base}/features.html`);
   const handle = await page.waitForFunction(() => (window as { features?: unknown }).features);

@@ -65,7 +65,7 @@ const pull = (page: Page) => page.evaluate(() => window.galewood!.pull);
 /** Largest displacement of the selected tree's tip over the next two seconds of the forest's time. */
 const largestTip_m = async (page: Page) => (await elapse(page, 2)).tip_m;
 
-test("a dragged branch follows the pointer, and rings down after the release", async ({ page }) => {
+test("a dragged branch follows the pointer, and rings down after the release", { tag: "@long" }, async ({ page }) => {
   await open(page, STILL);
   await forest(page);
   const tree = await lookAtTip(page);

@@ -89,7 +89,7 @@ async function start(page: Page, comment: string) {
 
 const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood?.planted(tree) ?? -1, id);
 
-test("an upload leads its owner to it, and only its owner", async ({ page, browser }) => {
+test("an upload leads its owner to it, and only its owner", { tag: "@long" }, async ({ page, browser }) => {
   test.setTimeout(20 * 60_000);
   page.setDefaultTimeout(3 * 60_000);
   await open(page, `${panelled.replace("trees=6", "trees=12")}&speed=12`);
