@@ -42,7 +42,7 @@ const STEMS = [
   stem(-10, 15, "Acer", "maple", 9),
 ];
 
-test("an inventory plants its stems, from an address and from a dropped file", async ({ page }) => {
+test("an inventory plants its stems, from an address and from a dropped file", async ({ page, quiet }) => {
   await page.route("**/api/inventory", (route) => route.fulfill({ json: { version: 1, stems: STEMS } }));
   await open(page, `${SMALL}&inventory=api/inventory`);
   await expect.poll(() => moving(page)).toBe(4);
@@ -69,12 +69,13 @@ test("an inventory plants its stems, from an address and from a dropped file", a
   await page.route("**/api/convert*", (route) => route.fulfill({ status: 404, body: "no such file" }));
   await drop(page, "two.csv", "x,y,height\n0,0,9\n5,5,9\n");
   await expect(page.getByText("Convert the file with `galewood convert`")).toBeVisible();
+  expect(quiet.splice(0)).toEqual([expect.stringContaining("404")]); // Chromium says so too
   await drop(page, "two.forest.json", JSON.stringify({ version: 1, stems: STEMS.slice(0, 2) }));
   await (await reportOf(page, "Forest from an inventory")).getByRole("button", { name: "Close" }).click();
   await expect.poll(() => moving(page)).toBe(2);
 });
 
-test("a dropped measurement becomes the wind, and trees bend with it", async ({ page }) => {
+test("a dropped measurement becomes the wind, and trees bend with it", async ({ page, quiet }) => {
   await open(page, `${SMALL}&trees=2&speed=0`);
   await forest(page);
   const lines = Array.from({ length: 40 }, (_, k) => `${k};${9 + (k % 3)},5;270`);
@@ -94,4 +95,5 @@ test("a dropped measurement becomes the wind, and trees bend with it", async ({ 
 
   await drop(page, "broken.csv", `time,speed,direction\n0,fast,270\n`);
   await expect(page.getByText("Line 2, column 'speed': 'fast' is not a number.")).toBeVisible();
+  expect(quiet.splice(0)).toEqual([expect.stringContaining("422")]);
 });
