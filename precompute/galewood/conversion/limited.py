@@ -17,7 +17,7 @@ REFUSALS = frozenset(("bad-inventory", "bad-measurement", "unknown-content"))
 """Codes of the errors that the reader itself raises."""
 
 
-def convert_limited(data: bytes, start_s: float = 0.0) -> bytes:
+def convert_limited(data: bytes | bytearray, start_s: float = 0.0) -> bytes:
     """Read a data file in a child process and return its document as JSON. Raises MeshError.
 
     The document is the inventory document, or the ``wind`` and the ``report`` of a measurement.

@@ -39,7 +39,7 @@ async def validate(request: Request) -> WindOut:
     return await asyncio.to_thread(lambda: WindOut(wind=parse_wind(_json(body)).document()))
 
 
-def _json(body: bytes) -> object:
+def _json(body: bytearray) -> object:
     try:
         return json.loads(body)
     except (ValueError, RecursionError):
