@@ -293,7 +293,7 @@ def test_a_wind_is_scaled_to_the_requested_sway(source: Source, tmp_path: Path) 
 def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
     table: Table, source: Source, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys.modules[long_run.__module__], "WINDOW", 400)
+    monkeypatch.setattr(sys.modules[long_run.__module__], "WINDOW_FRAMES", 400)
     first = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
     # The stub sways little even so: errors are compared with the sway.
     share = [window["max_error"] / window["sway"] for window in first["methods"]["modal"]]
