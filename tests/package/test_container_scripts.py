@@ -110,7 +110,7 @@ def server(tmp_path: Path) -> Iterator[Server]:
 
 def test_the_smoke_test_builds_a_tree(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     smoke = script("compose-smoke")
-    monkeypatch.setattr(smoke, "SITE", server.url)
+    monkeypatch.setattr(smoke, "SITE_URL", server.url)
     monkeypatch.setattr(smoke.time, "sleep", lambda seconds: None)
     with pytest.raises(SystemExit, match="/metrics is visible"):  # there is no proxy that hides it
         smoke.check(smoke.Site("any"), 60)
@@ -124,7 +124,7 @@ def test_the_smoke_test_waits_until_the_tree_can_be_deleted(
 ) -> None:
     """A tree is ready before its job ends; until then DELETE is answered with 409."""
     smoke, refusals = script("compose-smoke"), {"/metrics": [404] * 9, "DELETE": [409, 409]}
-    monkeypatch.setattr(smoke, "SITE", server.url)
+    monkeypatch.setattr(smoke, "SITE_URL", server.url)
     monkeypatch.setattr(smoke.time, "sleep", lambda seconds: None)
     fetch = smoke.Site.fetch
 

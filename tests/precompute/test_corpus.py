@@ -30,7 +30,7 @@ TRAINING_WINDS = 5
 @pytest.mark.skipif(not FILES, reason="CORPUS is not set to a folder with trees")
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
 def test_real_tree(path, tmp_path, monkeypatch):
-    monkeypatch.setattr(wind_scale, "WINDS", TRAINING_WINDS)
+    monkeypatch.setattr(wind_scale, "WIND_COUNT", TRAINING_WINDS)
     begin = perf_counter()
     try:
         built = build_table(path.read_bytes(), path.name, QUICK, cache_dir=CACHE or tmp_path)
