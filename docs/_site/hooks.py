@@ -11,6 +11,8 @@ import re
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from mkdocs.structure.files import File
+
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 PAGES = {
     "README.md": "index.md",
@@ -18,7 +20,18 @@ PAGES = {
     "CHANGELOG.md": "changelog.md",
     "web/README.md": "viewer.md",
     "assets/species/README.md": "species.md",
+    "spec/README.md": "formats/index.md",
 }
+FOLDERS = {"docs/": "", "spec/formats/": "formats/"}
+"""Folders of the repository and where their files are on the site."""
+SCHEMA = "formats/wind.schema.json"
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """The site's pages, and the schema that they offer for download."""
+    source = Path(config.config_file_path).parent / "spec" / SCHEMA
+    files.append(File.generated(config, SCHEMA, abs_src_path=str(source)))
+    return files
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
@@ -39,9 +52,12 @@ def resolved(text: str, source: str, page: str) -> str:
             return match[0]
         path, hash_mark, anchor = target.partition("#")
         path = os.path.normpath(PurePosixPath(source).parent / path)
-        if path in ("docs", "docs/design", "docs/formats"):
+        if path in ("docs", "docs/design"):
             path = f"{path}/index.md"
-        where = PAGES.get(path) or (path[len("docs/") :] if path.startswith("docs/") else None)
+        where = PAGES.get(path) or next(
+            (there + path.removeprefix(here) for here, there in FOLDERS.items() if path.startswith(here)),
+            None,
+        )
         if where is None:
             return label
         relative = os.path.relpath(where, PurePosixPath(page).parent)

@@ -11,7 +11,7 @@ from galewood.modal import drag_inputs, force_terms, shape_terms
 from galewood.wind.document import FIELDS
 from galewood_server.stream.forest import STREAM_ERROR_M
 
-FORMATS = Path(__file__).parents[2] / "docs" / "formats"
+SPEC = Path(__file__).parents[2] / "spec"
 DIGITS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 C = 7
 """A number of coupled coordinates to count terms with."""
@@ -19,7 +19,7 @@ C = 7
 
 def page(name: str) -> str:
     """The text of a page, with single blanks."""
-    return re.sub(r"\s+", " ", (FORMATS / f"{name}.md").read_text(encoding="utf-8"))
+    return re.sub(r"\s+", " ", page_lines(name))
 
 
 def power(value: float) -> str:
@@ -48,11 +48,11 @@ def test_versions() -> None:
             f"# The wire protocol, version {spec.WIRE_VERSION} ",
             f"| 2 | version, `{spec.WIRE_VERSION:02d}` |",
         ],
-        "index": [
-            f"| [Table file](table.md) | {table} |",
-            f"| [Compliance file](compliance.md) | {spec.COMPLIANCE_VERSION} |",
-            f"| [Wire protocol](wire.md) | {spec.WIRE_VERSION} |",
-            f"| [Wind document](wind.md) | {spec.WIND_VERSION} |",
+        "README": [
+            f"| [Table file](formats/table.md) | {table} |",
+            f"| [Compliance file](formats/compliance.md) | {spec.COMPLIANCE_VERSION} |",
+            f"| [Wire protocol](formats/wire.md) | {spec.WIRE_VERSION} |",
+            f"| [Wind document](formats/wind.md) | {spec.WIND_VERSION} |",
         ],
     }  # fmt: skip
     for name, texts in said.items():
@@ -61,7 +61,9 @@ def test_versions() -> None:
 
 
 def page_lines(name: str) -> str:
-    return (FORMATS / f"{name}.md").read_text(encoding="utf-8")
+    return (SPEC / f"{name}.md" if name == "README" else SPEC / "formats" / f"{name}.md").read_text(
+        encoding="utf-8"
+    )
 
 
 TABLE = [

@@ -15,7 +15,7 @@ LINK = re.compile(r"\]\(([^)\s]+)\)|<img src=\"([^\"]+)\"")
     "page",
     [
         "README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "web/README.md",
-        "assets/species/README.md",
+        "assets/species/README.md", *(str(page.relative_to(ROOT)) for page in ROOT.glob("spec/**/*.md")),
     ],
 )  # fmt: skip
 def test_relative_links_lead_to_files(page: str) -> None:

@@ -1,4 +1,4 @@
-"""The players of docs/examples, written from the format documents alone, against the golden files."""
+"""The players of spec/player, written from the format documents alone, against the golden files."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ from galewood.util import Floats
 from galewood.wind import Wind, WindField, parse_wind
 from galewood_server.stream.forest import GroupStepper
 
+from tests.golden import GOLDEN_FOLDER
+
 ROOT = Path(__file__).parents[2]
-GOLDEN, EXAMPLES = ROOT / "tests" / "golden", ROOT / "docs" / "examples"
-POLE = str(GOLDEN / "pole.safetensors")
+PLAYER = ROOT / "spec" / "player"
+POLE = str(GOLDEN_FOLDER / "pole.safetensors")
 FRAME_S = 1 / 30
 FRAMES = 300
 """Frames that are compared of longer golden motions."""
 MM = 1e-3
 """Largest difference of a node, mm; the golden numbers have nine digits."""
 
-sys.path.insert(0, str(EXAMPLES))
+sys.path.insert(0, str(PLAYER))
 player: Any = importlib.import_module("reference_player")
 winds: Any = importlib.import_module("reference_wind")
 noise: Any = importlib.import_module("reference_noise")
@@ -43,7 +45,7 @@ MODELS = {
 
 
 def golden(name: str) -> Any:
-    return json.loads((GOLDEN / name).read_text())
+    return json.loads((GOLDEN_FOLDER / name).read_text())
 
 
 def trees_of(trees: dict[str, list[float]], table: str = POLE) -> list[Any]:
@@ -67,9 +69,9 @@ def pole_basis(path: str = POLE) -> Floats:
 
 
 def test_the_players_are_short_and_use_numpy_only() -> None:
-    assert len((EXAMPLES / "reference_player.py").read_text().splitlines()) <= 200
+    assert len((PLAYER / "reference_player.py").read_text().splitlines()) <= 200
     for name in ("player", "wind", "noise", "joints"):
-        parsed = ast.parse((EXAMPLES / f"reference_{name}.py").read_text())
+        parsed = ast.parse((PLAYER / f"reference_{name}.py").read_text())
         imports = {node.module for node in ast.walk(parsed) if isinstance(node, ast.ImportFrom)}
         imports |= {
             part.name for node in ast.walk(parsed) if isinstance(node, ast.Import) for part in node.names
@@ -159,7 +161,7 @@ def test_the_search_eases_and_restarts_as_the_golden_trees(index: int) -> None:
 
 @pytest.mark.parametrize(("name", "table"), [("sway", "pole"), ("sway-linear", "pole-linear")])
 def test_the_modal_model_sways_as_the_golden_trees(name: str, table: str) -> None:
-    said, path = golden(f"{name}.json"), str(GOLDEN / f"{table}.safetensors")
+    said, path = golden(f"{name}.json"), str(GOLDEN_FOLDER / f"{table}.safetensors")
     trees, (x, z), basis = trees_of(said["trees"], path), places_of(said["trees"]), pole_basis(path)
     for frame in range(FRAMES):
         strength = 12.0 * (1 + 0.5 * np.cos(0.013 * frame))
@@ -292,6 +294,6 @@ def test_built_in_trees_move_as_those_that_the_server_streams(name: str) -> None
 def test_vertices_are_drawn_as_galewood_draws_them() -> None:
     for row in golden("drawn.json"):
         q, rest = row["factor"] * np.array(row["q"]), np.array(row["rest_m"])
-        table = str(GOLDEN / "pole-table.safetensors")
+        table = str(GOLDEN_FOLDER / "pole-table.safetensors")
         found = player.Tree(table).vertices(rest, q, 0.0, 0.0)
         np.testing.assert_allclose(found, row["drawn_m"], atol=1e-9)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,9 +22,9 @@ from galewood.table.records import encode_records
 from galewood.wind.evaluation import Wind, wind_pressure
 from scipy.sparse import csr_matrix
 
+from tests.golden import GOLDEN_FOLDER
 from tests.golden.beam import Beam
 
-HERE = Path(__file__).parent
 WINDS = (
     Wind(),
     Wind(mean_speed_m_s=0.0),
@@ -193,18 +192,18 @@ def sway_steps(table: Table) -> dict[str, Any]:
 
 def main() -> None:
     table = beam_table()
-    (HERE / "pole.safetensors").write_bytes(encode(table))
+    (GOLDEN_FOLDER / "pole.safetensors").write_bytes(encode(table))
     alone = encode(replace(table, paper=None))
-    (HERE / "pole-table.safetensors").write_bytes(alone)
+    (GOLDEN_FOLDER / "pole-table.safetensors").write_bytes(alone)
     records = encode_records(table.records, hashlib.sha256(alone).hexdigest())
-    (HERE / "pole-records.safetensors").write_bytes(records)
+    (GOLDEN_FOLDER / "pole-records.safetensors").write_bytes(records)
     steps = [paper_steps(table, easing) for easing in (0.0, 0.1)]
     for name, content in (
         ("wind.json", wind_vectors()),
         ("walk.json", steps),
         ("sway.json", sway_steps(table)),
     ):
-        (HERE / name).write_text(json.dumps(content, separators=(",", ":")) + "\n")
+        (GOLDEN_FOLDER / name).write_text(json.dumps(content, separators=(",", ":")) + "\n")
 
 
 if __name__ == "__main__":

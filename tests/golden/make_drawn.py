@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from galewood.skinning import drawn_positions
 from galewood.table import decode
 
-HERE = Path(__file__).parent
+from tests.golden import GOLDEN_FOLDER
 
 
 def drawn_vectors() -> list[dict[str, Any]]:
     """Vertices of the pole at rest and as drawn, in small and large poses, at two factors."""
-    table = decode((HERE / "pole-table.safetensors").read_bytes())
+    table = decode((GOLDEN_FOLDER / "pole-table.safetensors").read_bytes())
     rng = np.random.default_rng(22)
     rest_m = rng.uniform((-0.5, 0.0, -0.5), (0.5, 4.0, 0.5), (len(table.vertex_joint), 3))
     rows: list[dict[str, Any]] = []
@@ -27,4 +26,4 @@ def drawn_vectors() -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    (HERE / "drawn.json").write_text(json.dumps(drawn_vectors()) + "\n")
+    (GOLDEN_FOLDER / "drawn.json").write_text(json.dumps(drawn_vectors()) + "\n")

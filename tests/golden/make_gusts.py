@@ -7,7 +7,6 @@ beyond the sampled range, the gusts within the crowns, the modal model and the g
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,9 @@ from galewood.player import WindDrivenTrees
 from galewood.table import Table, decode
 from galewood.wind import Wind, WindField, crown_carried, crown_field, write_gusts
 
+from tests.golden import GOLDEN_FOLDER
 from tests.golden.make_walks import TREES
 
-HERE = Path(__file__).parent
 FRAMES, EVERY, FRAME_S = 1500, 50, 1.0 / 30.0
 GUSTY: dict[str, Any] = {"direction_deg": 40.0, "gustiness": 0.8, "seed": 12}
 WINDS = (
@@ -66,13 +65,13 @@ def gusts(table: Table) -> list[float]:
 
 
 def main() -> None:
-    table = decode((HERE / "pole.safetensors").read_bytes())
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
     content = {
         **SAID, "frames": FRAMES, "every": EVERY, "trees": TREES,
         "winds": [wind.document() for wind in WINDS],
         "gusts": gusts(table), "poses": motion(table),
     }  # fmt: skip
-    (HERE / "gusts.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")
+    (GOLDEN_FOLDER / "gusts.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")
 
 
 if __name__ == "__main__":

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from galewood.modal import force_terms, shape_terms
 from galewood.table import Table, decode, encode
 
+from tests.golden import GOLDEN_FOLDER
 from tests.golden.make import sway_steps
 
-HERE = Path(__file__).resolve().parent
 LEFT_OUT = ["large deflections", "streamlining"]
 
 
@@ -38,10 +37,10 @@ def linear_table(table: Table) -> Table:
 
 
 def main() -> None:
-    table = linear_table(decode((HERE / "pole.safetensors").read_bytes()))
-    (HERE / "pole-linear.safetensors").write_bytes(encode(table))
+    table = linear_table(decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes()))
+    (GOLDEN_FOLDER / "pole-linear.safetensors").write_bytes(encode(table))
     text = json.dumps(sway_steps(table), separators=(",", ":"))
-    (HERE / "sway-linear.json").write_text(text + "\n")
+    (GOLDEN_FOLDER / "sway-linear.json").write_text(text + "\n")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ response of some of its points, and a hand that pulls one of them.
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,8 @@ from galewood.fem import TangentFactor
 from galewood.player import DragConstraint, point_response
 from galewood.table import Compliance, Table, decode, decode_compliance, encode_compliance
 
-HERE = Path(__file__).parent
+from tests.golden import GOLDEN_FOLDER
+
 NODES = 9
 VERTICES = (0, 3, 11)
 DT_S = 1 / 30
@@ -119,12 +119,12 @@ def hand(table: Table, compliance: Compliance) -> dict[str, Any]:
 
 def main() -> None:
     """Write the files."""
-    table = decode((HERE / "pole-table.safetensors").read_bytes())
+    table = decode((GOLDEN_FOLDER / "pole-table.safetensors").read_bytes())
     data = encode_compliance(compliance_for(table))
-    (HERE / "pole-compliance.safetensors").write_bytes(data)
+    (GOLDEN_FOLDER / "pole-compliance.safetensors").write_bytes(data)
     compliance = decode_compliance(data)
     golden = {"responses": responses(table, compliance), "hand": hand(table, compliance)}
-    (HERE / "pull.json").write_text(json.dumps(golden, separators=(",", ":")) + "\n")
+    (GOLDEN_FOLDER / "pull.json").write_text(json.dumps(golden, separators=(",", ":")) + "\n")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,8 @@ from galewood.player.paper_search import PaperForest
 from galewood.table.format import Table, decode
 from galewood.wind.evaluation import Wind, WindField
 
-HERE = Path(__file__).parent
+from tests.golden import GOLDEN_FOLDER
+
 FRAMES, EVERY, FRAME_S = 10_000, 100, 1.0 / 30.0
 STEPS_PER_PA = 4
 """Pressures are rounded, so that the last bit of a velocity cannot change a record."""
@@ -71,12 +71,12 @@ def step_digests(table: Table, wind: Wind) -> dict[str, Any]:
 
 
 def main() -> None:
-    table = decode((HERE / "pole.safetensors").read_bytes())
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
     content = {
         **SAID, "frames": FRAMES, "every": EVERY, "steps_per_pa": STEPS_PER_PA, "trees": TREES,
         "walks": [step_digests(table, wind) for wind in WINDS],
     }  # fmt: skip
-    (HERE / "walks.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")
+    (GOLDEN_FOLDER / "walks.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,9 @@ from galewood.wind.models.navier_stokes import Eddies
 from galewood.wind.recording import quantised
 from galewood.wind.schema import wind_schema
 
-HERE = Path(__file__).parent
-SCHEMA = HERE.parent.parent / "docs" / "formats" / "wind.schema.json"
+from tests.golden import GOLDEN_FOLDER
+
+SCHEMA = GOLDEN_FOLDER.parent / "formats" / "wind.schema.json"
 FRAME_S = 1.0 / 30.0
 FRAMES = (0, 1, 2, 29, 400, 1999, 2000, 4321, 5760, 7001, 9000, 9998, 9999)
 GUSTY: dict[str, Any] = {
@@ -188,7 +188,7 @@ def main() -> None:
         "eddies": eddies(),
         "refused": refusals(),
     }
-    (HERE / "wind_models.json").write_text(json.dumps(golden, separators=(",", ":")) + "\n")
+    (GOLDEN_FOLDER / "wind_models.json").write_text(json.dumps(golden, separators=(",", ":")) + "\n")
     SCHEMA.write_text(json.dumps(wind_schema(), indent=2) + "\n")
 
 

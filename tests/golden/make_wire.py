@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import struct
-from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -26,7 +25,9 @@ from galewood.constants import (
 from galewood_server.stream import wire
 from galewood_server.stream.envelope import MAGIC, encode_message
 
-HERE = Path(__file__).parent / "wire"
+from tests.golden import GOLDEN_FOLDER
+
+WIRE_FOLDER = GOLDEN_FOLDER / "wire"
 TABLE = "0123456789abcdef" * 4
 OTHER = "f" * 64
 BREEZE = {
@@ -322,15 +323,15 @@ def refused() -> dict[str, tuple[str, bytes]]:
 
 
 def main() -> None:
-    HERE.mkdir(exist_ok=True)
+    WIRE_FOLDER.mkdir(exist_ok=True)
     for name, message in REQUESTS.items():
-        (HERE / f"{name}.bin").write_bytes(wire.encode_request(request_of(message)))
+        (WIRE_FOLDER / f"{name}.bin").write_bytes(wire.encode_request(request_of(message)))
     for name, message in REPLIES.items():
-        (HERE / f"{name}.bin").write_bytes(wire.encode_reply(reply_of(message)))
+        (WIRE_FOLDER / f"{name}.bin").write_bytes(wire.encode_reply(reply_of(message)))
     said = {"requests": REQUESTS, "replies": REPLIES}
-    (HERE / "messages.json").write_text(json.dumps(said, ensure_ascii=False, indent=1) + "\n")
+    (WIRE_FOLDER / "messages.json").write_text(json.dumps(said, ensure_ascii=False, indent=1) + "\n")
     bad = [{"name": name, "at": at, "hex": data.hex()} for name, (at, data) in refused().items()]
-    (HERE / "refused.json").write_text(json.dumps(bad, indent=1) + "\n")
+    (WIRE_FOLDER / "refused.json").write_text(json.dumps(bad, indent=1) + "\n")
 
 
 if __name__ == "__main__":

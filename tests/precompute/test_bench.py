@@ -1,7 +1,6 @@
 """The benchmark's own arithmetic, on a small table; that nothing here is slow or fast is not tested."""
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,9 @@ from galewood.util import Floats
 from galewood.verify.bars import polygon_bar
 from galewood.wood.species import wood_of_species
 
-GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
+from tests.golden import GOLDEN_FOLDER
+
+GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
 
 
 def test_bytes_of_a_table_beside_the_papers_displacements() -> None:

@@ -12,9 +12,10 @@ from galewood.options import BuildRequest
 from galewood.util import MeshError
 from typer.testing import CliRunner
 
+from tests.golden import GOLDEN_FOLDER
 from tests.precompute.labelled_trees import labelled_file
 
-GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
+GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
 
 
 def test_every_command_has_help() -> None:

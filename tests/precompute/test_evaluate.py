@@ -38,9 +38,10 @@ from galewood.table.format import Table, decode
 from galewood.wood import WoodDocument, wood_of_species
 from typer.testing import CliRunner
 
+from tests.golden import GOLDEN_FOLDER
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
-TABLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes())
+TABLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
 
 
 def test_an_exact_track_has_no_error_and_the_error_of_a_resting_one_is_the_sway() -> None:

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,9 @@ from galewood.mesh.types import RenderPrimitive, TreeMesh
 from galewood.table.format import Table, decode
 from galewood.wind.evaluation import Wind
 
-GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
+from tests.golden import GOLDEN_FOLDER
+
+GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}
 
 

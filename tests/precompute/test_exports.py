@@ -27,11 +27,12 @@ from galewood.wind import Wind, WindField
 from PIL import Image
 from typer.testing import CliRunner
 
+from tests.golden import GOLDEN_FOLDER
 from tests.precompute.gltf_reading import Glb
 
 REPOSITORY = Path(__file__).parents[2]
 SHIPPED = REPOSITORY / "assets/species/shipped/apricot-forest.table"
-GOLDEN = REPOSITORY / "tests/golden/pole.safetensors"
+GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
 VALIDATOR = REPOSITORY / "web/node_modules/gltf-validator"
 WIND = Wind(mean_speed_m_s=9.0, gustiness=0.7, seed=3)
 OPTIONS = ExportOptions(WIND, loop_s=2.0, fps=12.0)

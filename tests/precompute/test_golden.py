@@ -9,17 +9,16 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from galewood.table.format import TABLE_LAYOUT, Table, decode, encode
 from galewood.table.records import RECORDS_LAYOUT
 
+from tests.golden import GOLDEN_FOLDER
 from tests.golden.make import beam_table, sway_steps
 
-GOLDEN = Path(__file__).parents[1] / "golden"
-STORED, ALONE, RECORDS = (GOLDEN / f"pole{name}.safetensors" for name in ("", "-table", "-records"))
+STORED, ALONE, RECORDS = (GOLDEN_FOLDER / f"pole{name}.safetensors" for name in ("", "-table", "-records"))
 INVARIANT = ("mode_scale", "node_rest_m", "vertex_joint", "joint_nodes", "joint_rest_m", "modal_limits")
 INVARIANT_RECORDS = ("pressure_pa", "trajectory", "offsets")
 
@@ -77,7 +76,7 @@ def test_the_stored_table_is_what_the_code_makes() -> None:
 
 @pytest.mark.timeout(1200)
 def test_the_regenerated_table_sways_as_the_golden_motion_does() -> None:
-    golden = json.loads((GOLDEN / "sway.json").read_text())
+    golden = json.loads((GOLDEN_FOLDER / "sway.json").read_text())
     expected = nodes(stored(), golden["poses"])
     assert np.abs(expected).max() > 0.3
     found = nodes(regenerated(), sway_steps(regenerated())["poses"])
@@ -86,7 +85,7 @@ def test_the_regenerated_table_sways_as_the_golden_motion_does() -> None:
 
 def test_a_wrong_coefficient_is_found_by_these_comparisons() -> None:
     wrong = replace(stored(), modal_load=np.float32(1.001) * stored().modal_load)
-    golden = nodes(stored(), json.loads((GOLDEN / "sway.json").read_text())["poses"])
+    golden = nodes(stored(), json.loads((GOLDEN_FOLDER / "sway.json").read_text())["poses"])
     found = nodes(wrong, sway_steps(wrong)["poses"])
     assert np.abs(found - golden).max() > 1e-4 * np.abs(golden).max()
 

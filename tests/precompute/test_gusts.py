@@ -17,11 +17,11 @@ from galewood.table import Table, decode
 from galewood.wind import PRESETS, Wind, WindField, crown_carried, crown_field, write_gusts
 from galewood.wind.pressure import compress_pressure, compressed
 
+from tests.golden import GOLDEN_FOLDER
 from tests.golden.beam import Beam
 from tests.golden.make import scheme
 from tests.golden.make_gusts import gusts, motion
 
-GOLDEN = Path(__file__).parent.parent / "golden"
 SHIPPED = Path(__file__).parents[2] / "assets" / "species" / "shipped"
 NAMES = sorted(path.stem for path in SHIPPED.glob("*.table") if "." not in path.stem)
 ONE, NOTHING, AHEAD = np.ones(1), np.zeros(1), np.array([[1.0, 0.0]])
@@ -162,8 +162,8 @@ def test_pressure_beyond_the_range_grows_with_the_wind() -> None:
 
 
 def test_trees_in_a_changing_wind_move_as_in_the_golden_file() -> None:
-    table = decode((GOLDEN / "pole.safetensors").read_bytes())
-    golden = json.loads((GOLDEN / "gusts.json").read_text())
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
+    golden = json.loads((GOLDEN_FOLDER / "gusts.json").read_text())
     assert np.allclose(gusts(table), golden["gusts"], atol=1e-9)
     assert np.allclose(motion(table), golden["poses"], atol=1e-4)
 

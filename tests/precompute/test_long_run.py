@@ -14,7 +14,9 @@ from galewood.evaluation.long_run import long_run_key
 from galewood.evaluation.source import Source
 from galewood.table.format import Table, decode
 
-TABLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes())
+from tests.golden import GOLDEN_FOLDER
+
+TABLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
 MODEL_ARRAYS = ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest")
 
 
@@ -35,7 +37,7 @@ def key(table: Table = TABLE, of: Source | None = None, **settings: Any) -> str:
 
 
 def test_the_key_is_reproducible() -> None:
-    assert key() == key(decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()))
+    assert key() == key(decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes()))
 
 
 @pytest.mark.parametrize("setting", [{"frames": 3000}, {"sway": 0.2}, {"seed": 2}])

@@ -1,17 +1,16 @@
 """The paper's state search: golden steps, return to rest, and single steps against the paper."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from galewood.player.paper_search import PaperForest, gaussian
 from galewood.table.format import decode, without_gusts
 
+from tests.golden import GOLDEN_FOLDER
 from tests.golden.make import paper_steps
 
-GOLDEN = Path(__file__).parents[1] / "golden"
-TABLE = without_gusts(decode((GOLDEN / "pole.safetensors").read_bytes()))
+TABLE = without_gusts(decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes()))
 DT_S = TABLE.metadata["dt_s"]
 STRONG = 0.7 * float(np.abs(TABLE.records.pressure_pa).max())
 
@@ -26,8 +25,8 @@ def blown(forest: PaperForest, pressure: tuple[float, float], steps: int) -> np.
 
 
 def test_matches_the_golden_steps() -> None:
-    for golden in json.loads((GOLDEN / "walk.json").read_text()):
-        found = paper_steps(decode((GOLDEN / "pole.safetensors").read_bytes()), golden["pose_easing"])
+    for golden in json.loads((GOLDEN_FOLDER / "walk.json").read_text()):
+        found = paper_steps(decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes()), golden["pose_easing"])
         assert found["records"] == golden["records"]
         assert np.array_equal(found["poses"], golden["poses"])
 

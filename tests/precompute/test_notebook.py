@@ -22,10 +22,10 @@ from galewood.notebook.trees import shown_table
 from galewood.table import decode
 from galewood.wind import PRESETS
 
+from tests.golden import GOLDEN_FOLDER
 from tests.precompute.shared_tets import small_tree_glb
 
 SHIPPED = packaged.species_folder() / "shipped"
-GOLDEN = Path(__file__).parents[1] / "golden"
 STILL = {"version": 1, "model": "cosine", "mean_speed_m_s": 0, "direction_deg": 30, "gustiness": 0.5,
          "convection_speed_m_s": 4, "seed": 1}  # fmt: skip
 BUILTIN = ("apricot", "apricot-forest", "maple", "maple-forest", "poplar", "poplar-forest")
@@ -86,7 +86,7 @@ def test_a_file_is_preferred_to_a_builtin_tree_of_its_name(
 
 
 def test_records_of_the_paper_are_left_out() -> None:
-    whole = galewood.MotionTable((GOLDEN / "pole.safetensors").read_bytes(), b"glTF")
+    whole = galewood.MotionTable((GOLDEN_FOLDER / "pole.safetensors").read_bytes(), b"glTF")
     assert whole.table.paper is not None
     shown = shown_table(whole)
     assert decode(shown.data).paper is None and len(shown.data) < len(whole.data)

@@ -1,7 +1,6 @@
 """The output-error fit: gradients against finite differences, steps against the player's, recovery."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,9 +23,11 @@ from galewood.reduction.training_error import simulated_q
 from galewood.table.format import decode
 from galewood.util import Floats
 
+from tests.golden import GOLDEN_FOLDER
+
 SEED = 71_093
 DT_S = 1 / 30
-TABLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes())
+TABLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
 assert TABLE.modal is not None
 MODAL = TABLE.modal
 LANES = 5

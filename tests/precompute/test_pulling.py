@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +15,8 @@ from galewood.table import Compliance, TableError, decode, decode_compliance, en
 from galewood.verify.motion_checks import loaded_pole
 from galewood.wind import Wind, WindError, WindField, parse_wind_or_state, with_front
 
+from tests.golden import GOLDEN_FOLDER
 from tests.golden.make_pull import NODES, chain_factor, chain_matrix
-
-GOLDEN = Path(__file__).parents[1] / "golden"
 
 
 @pytest.fixture(scope="module")
@@ -115,15 +113,15 @@ def test_weights_are_whole_and_complete() -> None:
 )
 def test_invalid_files_are_refused(change: dict[str, np.ndarray], complaint: str) -> None:
     """The message names the tensor."""
-    good = decode_compliance((GOLDEN / "pole-compliance.safetensors").read_bytes())
+    good = decode_compliance((GOLDEN_FOLDER / "pole-compliance.safetensors").read_bytes())
     with pytest.raises(TableError, match=complaint):
         encode_compliance(replace(good, **change))
 
 
 def golden_response(vertex: int = 3) -> PointResponse:
     """The response of a point of the golden table."""
-    table = decode((GOLDEN / "pole-table.safetensors").read_bytes())
-    compliance = decode_compliance((GOLDEN / "pole-compliance.safetensors").read_bytes())
+    table = decode((GOLDEN_FOLDER / "pole-table.safetensors").read_bytes())
+    compliance = decode_compliance((GOLDEN_FOLDER / "pole-compliance.safetensors").read_bytes())
     return point_response(table, vertex, compliance)
 
 
@@ -154,7 +152,7 @@ def test_hand_never_exceeds_its_limits() -> None:
 
 def test_unknown_vertex_is_named() -> None:
     """The error tells how many there are."""
-    table = decode((GOLDEN / "pole-table.safetensors").read_bytes())
+    table = decode((GOLDEN_FOLDER / "pole-table.safetensors").read_bytes())
     with pytest.raises(PullError, match=r"there is no vertex 9999999"):
         point_response(table, 9999999)
 

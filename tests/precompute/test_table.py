@@ -3,7 +3,6 @@
 import hashlib
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,9 +15,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from safetensors.numpy import load, save
 
-GOLDEN = Path(__file__).parents[1] / "golden"
-FILE = (GOLDEN / "pole.safetensors").read_bytes()
-ALONE, RECORDS = ((GOLDEN / f"pole-{name}.safetensors").read_bytes() for name in ("table", "records"))
+from tests.golden import GOLDEN_FOLDER
+
+FILE = (GOLDEN_FOLDER / "pole.safetensors").read_bytes()
+ALONE, RECORDS = ((GOLDEN_FOLDER / f"pole-{name}.safetensors").read_bytes() for name in ("table", "records"))
 TABLE = decode(FILE)
 FIELDS = TABLE_LAYOUT | RECORDS_LAYOUT
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from galewood.evaluation.tracks import Place, pressure_at
 from galewood.table.format import decode
 from galewood.wind.evaluation import Wind, change_wind, steady
 
-POLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes())
+from tests.golden import GOLDEN_FOLDER
+
+POLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
 
 
 @pytest.mark.parametrize("yaw_rad", [0.0, 2.1])

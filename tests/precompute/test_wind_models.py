@@ -39,10 +39,10 @@ from galewood.wind.models.perlin import SLOPES, noise, permutation
 from galewood.wind.recording import EMPTY_RECORDING
 from galewood.wind.schema import wind_schema
 
-from tests.golden import make_wind
+from tests.golden import GOLDEN_FOLDER, make_wind
 
 ROOT = Path(__file__).parents[2]
-GOLDEN: dict[str, Any] = json.loads((ROOT / "tests" / "golden" / "wind_models.json").read_text())
+GOLDEN: dict[str, Any] = json.loads((GOLDEN_FOLDER / "wind_models.json").read_text())
 X, Z = np.linspace(-200.0, 200.0, 41), np.linspace(150.0, -150.0, 41)
 
 

@@ -25,7 +25,9 @@ from galewood_server.storage.models import Garbage, Job, JobKind, Tree, utc_now
 from galewood_server.storage.stores import Stores
 from sqlalchemy import select, update
 
-POLE = (Path(__file__).parents[1] / "golden" / "pole-table.safetensors").read_bytes()
+from tests.golden import GOLDEN_FOLDER
+
+POLE = (GOLDEN_FOLDER / "pole-table.safetensors").read_bytes()
 RECORDS = b"records of the table"
 MESH = b"glTF of the tree"
 

@@ -19,6 +19,7 @@ from galewood_server.cli.commands import app
 from galewood_server.stream.wire import Failure, Forest, Group, Reply, Welcome
 from typer.testing import CliRunner
 
+from tests.golden import GOLDEN_FOLDER
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
 
 KEY, KEY_HASH = new_key()
@@ -71,7 +72,7 @@ def test_problems_become_service_errors(server: Server, mesh: Path) -> None:
 
 
 def test_a_whole_table_has_its_records() -> None:
-    golden = Path(__file__).parents[1] / "golden"
+    golden = GOLDEN_FOLDER
     files = {
         "/api/tables": (golden / "pole-table.safetensors").read_bytes(),
         "/api/records": (golden / "pole-records.safetensors").read_bytes(),

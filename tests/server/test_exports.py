@@ -12,6 +12,7 @@ import httpx
 import pytest
 from galewood.shipped import ShippedTree, build_key, write_shipped
 
+from tests.golden import GOLDEN_FOLDER
 from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server
 
 StartServer = Callable[..., Server]
@@ -30,7 +31,7 @@ def server(start_server: StartServer, tmp_path: Path) -> Server:
     (folder / "species.json").write_text(json.dumps([small]))
     tree = ShippedTree(
         table=(SHIPPED / "apricot-forest.table").read_bytes(),
-        records=(REPOSITORY / "tests/golden/pole-records.safetensors").read_bytes(),
+        records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
         render_glb=(SHIPPED / "apricot-forest.glb").read_bytes(),
         tets=b"tetrahedra",
         tets_name="tets-abc.npz",

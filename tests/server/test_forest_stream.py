@@ -9,7 +9,6 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,10 +23,11 @@ from galewood_server.stream.forest import ForestClock, ForestStepper
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from tests.golden.make_wire import HERE
+from tests.golden import GOLDEN_FOLDER
+from tests.golden.make_wire import WIRE_FOLDER
 from tests.server.conftest import Server, wait_until
 
-POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
+POLE = (GOLDEN_FOLDER / "pole.safetensors").read_bytes()
 SHA256 = hashlib.sha256(POLE).hexdigest()
 BREEZE = Wind().document()
 
@@ -41,7 +41,7 @@ def without_leaves() -> bytes:
 
 BARE = without_leaves()
 BARE_SHA256 = hashlib.sha256(BARE).hexdigest()
-REFUSED = [case for case in json.loads((HERE / "refused.json").read_text()) if case["at"] == "server"]
+REFUSED = [case for case in json.loads((WIRE_FOLDER / "refused.json").read_text()) if case["at"] == "server"]
 
 
 @pytest.fixture(scope="module")

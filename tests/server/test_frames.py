@@ -28,8 +28,9 @@ from galewood_server.stream.session_error import SessionError
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-GOLDEN = Path(__file__).parents[1] / "golden"
-POLE = (GOLDEN / "pole.safetensors").read_bytes()
+from tests.golden import GOLDEN_FOLDER
+
+POLE = (GOLDEN_FOLDER / "pole.safetensors").read_bytes()
 Poses = npt.NDArray[np.int32]
 
 
@@ -205,8 +206,8 @@ def forests(tmp_path: Path) -> Forests:
 
 def test_the_papers_method_waits_for_its_records(tmp_path: Path) -> None:
     stores, known = Stores(tmp_path), dict[str, str]()
-    table = stores.tables.put((GOLDEN / "pole-table.safetensors").read_bytes())
-    records = stores.records.put((GOLDEN / "pole-records.safetensors").read_bytes())
+    table = stores.tables.put((GOLDEN_FOLDER / "pole-table.safetensors").read_bytes())
+    records = stores.records.put((GOLDEN_FOLDER / "pole-records.safetensors").read_bytes())
     forests = Forests(Settings(), TableCache(stores), known.get)
     groups = (wire.Group(table, 2),)
 

@@ -14,14 +14,14 @@ from galewood.shipped import ShippedTree, build_key, read_shipped, write_shipped
 from galewood.table import decode, encode
 from galewood.wind import Wind
 
-from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server, wait_until
+from tests.golden import GOLDEN_FOLDER
+from tests.server.conftest import NO_CLUSTER, Server, wait_until
 
 StartServer = Callable[..., Server]
-GOLDEN = REPOSITORY / "tests" / "golden"
 SOURCE = b"mesh of a small tree"
 SHIPPED = ShippedTree(
-    table=(GOLDEN / "pole-table.safetensors").read_bytes(),
-    records=(GOLDEN / "pole-records.safetensors").read_bytes(),
+    table=(GOLDEN_FOLDER / "pole-table.safetensors").read_bytes(),
+    records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
     render_glb=b"glTF of the small tree",
     tets=b"tetrahedra",
     tets_name="tets-abc.npz",

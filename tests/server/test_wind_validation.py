@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -16,6 +15,7 @@ from galewood.wind.recording import quantised
 from galewood_server.stream import wire
 from websockets.sync.client import connect
 
+from tests.golden import GOLDEN_FOLDER
 from tests.server.conftest import NO_CLUSTER, Server
 
 
@@ -29,9 +29,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 
 NO_TREES = np.zeros((0, 4), np.float32)
-CASES: list[dict[str, Any]] = json.loads(
-    (Path(__file__).parents[1] / "golden" / "wind_models.json").read_text()
-)["refused"]
+CASES: list[dict[str, Any]] = json.loads((GOLDEN_FOLDER / "wind_models.json").read_text())["refused"]
 
 
 def test_valid_winds_are_returned_in_their_shortest_form(server: Server) -> None:

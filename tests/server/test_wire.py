@@ -14,10 +14,10 @@ from galewood_server.stream.envelope import MAGIC, WireError, decode_message, en
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from tests.golden.make_wire import HERE, REPLIES, REQUESTS, reply_of, request_of
+from tests.golden.make_wire import REPLIES, REQUESTS, WIRE_FOLDER, reply_of, request_of
 
-REFUSED = json.loads((HERE / "refused.json").read_text())
-SAID = json.loads((HERE / "messages.json").read_text())
+REFUSED = json.loads((WIRE_FOLDER / "refused.json").read_text())
+SAID = json.loads((WIRE_FOLDER / "messages.json").read_text())
 
 
 def same(one: Any, other: Any) -> bool:
@@ -40,14 +40,14 @@ def test_golden_files_are_current() -> None:
 
 @pytest.mark.parametrize("name", REQUESTS)
 def test_golden_request(name: str) -> None:
-    data, message = (HERE / f"{name}.bin").read_bytes(), request_of(REQUESTS[name])
+    data, message = (WIRE_FOLDER / f"{name}.bin").read_bytes(), request_of(REQUESTS[name])
     assert wire.encode_request(message) == data
     assert same(wire.decode_request(data), message)
 
 
 @pytest.mark.parametrize("name", REPLIES)
 def test_golden_reply(name: str) -> None:
-    data, message = (HERE / f"{name}.bin").read_bytes(), reply_of(REPLIES[name])
+    data, message = (WIRE_FOLDER / f"{name}.bin").read_bytes(), reply_of(REPLIES[name])
     assert wire.encode_reply(message) == data
     assert same(wire.decode_reply(data), message)
 
@@ -70,7 +70,7 @@ def test_another_version_is_rejected() -> None:
 
 @pytest.mark.parametrize("name", [*REQUESTS, *REPLIES])
 def test_every_truncation_is_rejected(name: str) -> None:
-    data = (HERE / f"{name}.bin").read_bytes()
+    data = (WIRE_FOLDER / f"{name}.bin").read_bytes()
     decode = wire.decode_request if name in REQUESTS else wire.decode_reply
     shortened = 0
     for length in range(len(data)):

@@ -3,7 +3,7 @@ import { fileURLToPath } from "node:url";
 
 /** A file written by Python (python -m tests.golden.make). */
 export function golden(name: string): Uint8Array {
-  return new Uint8Array(readFileSync(fileURLToPath(new URL(`../golden/${name}`, import.meta.url))));
+  return new Uint8Array(readFileSync(fileURLToPath(new URL(`../../spec/golden/${name}`, import.meta.url))));
 }
 
 export function goldenJson<T>(name: string): T {

@@ -43,7 +43,7 @@ def evaluate(
 
     Returns:
         Per wind and method ("modal", "paper", and baselines): ``max_error`` and ``rms_error`` over the
-        height, ``growth`` and others (docs/formats/evaluation.md).
+        height, ``growth`` and others (spec/formats/evaluation.md).
 
     Raises:
         SourceError: The table's model or mesh is not available.

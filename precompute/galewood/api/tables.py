@@ -28,7 +28,7 @@ class MotionTable:
     """A table of a tree's motion in wind, with the mesh that it moves."""
 
     data: bytes = field(repr=False)
-    """The bytes of the table file (docs/formats/table.md)."""
+    """The bytes of the table file (spec/formats/table.md)."""
     render_glb: bytes | None = field(default=None, repr=False)
     """The mesh to draw, as a binary glTF; None: not known."""
     report: dict[str, Any] = field(default_factory=dict[str, Any], repr=False)

@@ -1,4 +1,4 @@
-"""Rigid motion of a table's joints: what a vertex that hangs on a joint does (docs/formats/table.md)."""
+"""Rigid motion of a table's joints: what a vertex that hangs on a joint does (spec/formats/table.md)."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ class Inventory:
     report: InventoryReport
 
     def document(self) -> dict[str, object]:
-        """The inventory document, which page and player read (docs/formats/inventory.md)."""
+        """The inventory document, which page and player read (spec/formats/inventory.md)."""
         stems = [asdict(stem) for stem in self.stems]
         return {"version": INVENTORY_VERSION, "stems": stems, "report": self.report.document()}
 

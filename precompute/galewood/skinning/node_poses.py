@@ -21,7 +21,7 @@ from galewood.util import Floats, Ints
 
 
 class SkinLike(Protocol):
-    """A skin of n nodes, j joints and v vertices in r modes: ``Skin`` or a table (docs/formats/table.md)."""
+    """A skin of n nodes, j joints and v vertices in r modes: ``Skin`` or a table (spec/formats/table.md)."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 

@@ -37,7 +37,7 @@ class MotionSamples:
 
 @dataclass(frozen=True)
 class Skin:
-    """n nodes, j joints and the joint of each render vertex, as in a table (docs/formats/table.md)."""
+    """n nodes, j joints and the joint of each render vertex, as in a table (spec/formats/table.md)."""
 
     node_basis: npt.NDArray[np.float32]  # (n, 3, r) m per unit of q
     node_turn: npt.NDArray[np.float32]  # (n, 3, r) rotation vector per unit of q

@@ -1,4 +1,4 @@
-"""The compliance file: how a tree yields to small point forces (docs/formats/compliance.md).
+"""The compliance file: how a tree yields to small point forces (spec/formats/compliance.md).
 
 ``decode_compliance`` checks everything, so that a decoded file can be solved without bounds checks.
 """

@@ -1,4 +1,4 @@
-"""The table format: one safetensors file per species (docs/formats/table.md).
+"""The table format: one safetensors file per species (spec/formats/table.md).
 
 ``decode`` checks everything that readers rely on, so that a decoded table can be searched without bounds
 checks.
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Table:
-    """A decoded table: r modes, n nodes, j joints, v render vertices. Units in docs/formats/table.md."""
+    """A decoded table: r modes, n nodes, j joints, v render vertices. Units in spec/formats/table.md."""
 
     metadata: Metadata
     mode_scale: npt.NDArray[np.float32]  # (r,)

@@ -31,7 +31,7 @@ from galewood.util import Array
 
 @dataclass(frozen=True)
 class Records:
-    """z records of r modes with their candidate lists. Units in docs/formats/table.md."""
+    """z records of r modes with their candidate lists. Units in spec/formats/table.md."""
 
     metadata: Metadata
     """records, points, components, sampled_elements, sigma_pa, weight, pose_easing, winds, frames."""

@@ -3,7 +3,7 @@
 A frozen, periodic velocity field is carried over the forest by the wind (Taylor's hypothesis). It is a sum of
 plane waves of 3 to 12 m, each across its own direction, so that the field is free of divergence. Their power
 per octave falls with the 2/3 power of the wavelength, as in the inertial range (Kolmogorov 1941). Gusts reach
-the top of a crown first. Specified in docs/formats/wind.md.
+the top of a crown first. Specified in spec/formats/wind.md.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

@@ -1,4 +1,4 @@
-"""The wind document, version 1: fields, ranges and parsing. Specified in docs/formats/wind.md."""
+"""The wind document, version 1: fields, ranges and parsing. Specified in spec/formats/wind.md."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Wind speed and heading at given positions and times, from a small document and a seed.
 
-Specified in docs/formats/wind.md; golden test vectors keep Python and TypeScript in step. Gusts are advected
+Specified in spec/formats/wind.md; golden test vectors keep Python and TypeScript in step. Gusts are advected
 by the wind, so neighbouring trees move similarly but not in unison. Code that evaluates many frames of one
 forest should keep a ``WindField``.
 """

@@ -1,6 +1,6 @@
 """Gust fronts: single gusts that start at a place and travel with the wind, beside those of a document.
 
-Specified in docs/formats/wind.md.
+Specified in spec/formats/wind.md.
 """
 
 from __future__ import annotations

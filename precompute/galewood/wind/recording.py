@@ -29,7 +29,7 @@ _BASE64 = re.compile(r"[A-Za-z0-9+/]+={0,2}")
 
 @dataclass(frozen=True)
 class Recording:
-    """Fluctuations of a measured wind, quantised to 16 bits; specified in docs/formats/wind.md."""
+    """Fluctuations of a measured wind, quantised to 16 bits; specified in spec/formats/wind.md."""
 
     interval_s: float
     unit: float

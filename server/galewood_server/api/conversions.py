@@ -30,7 +30,7 @@ FILE_BODY: dict[str, Any] = {
 
 
 class InventoryOut(BaseModel):
-    """The stems of an inventory (docs/formats/inventory.md), and how its file was interpreted."""
+    """The stems of an inventory (spec/formats/inventory.md), and how its file was interpreted."""
 
     version: Literal[1]
     stems: list[Stem]
@@ -38,7 +38,7 @@ class InventoryOut(BaseModel):
 
 
 class MeasuredWindOut(BaseModel):
-    """The wind document of a measurement (docs/formats/wind.md), and how its file was interpreted."""
+    """The wind document of a measurement (spec/formats/wind.md), and how its file was interpreted."""
 
     wind: dict[str, Any]
     report: MeasurementReport

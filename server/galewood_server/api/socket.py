@@ -1,4 +1,4 @@
-"""The WebSocket /ws/forest: one session per client, using the protocol of docs/formats/wire.md."""
+"""The WebSocket /ws/forest: one session per client, using the protocol of spec/formats/wire.md."""
 
 from __future__ import annotations
 

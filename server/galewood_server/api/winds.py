@@ -17,7 +17,7 @@ LARGEST_BYTES = 64 * 1024
 
 
 class WindOut(BaseModel):
-    """A valid wind document (docs/formats/wind.md)."""
+    """A valid wind document (spec/formats/wind.md)."""
 
     wind: dict[str, Any]
 
@@ -29,7 +29,7 @@ WIND_BODY: dict[str, Any] = {
 
 @router.post("/validate", openapi_extra=WIND_BODY, responses=problems(413, 422))
 async def validate(request: Request) -> WindOut:
-    """Validate a wind document (docs/formats/wind.md) and return it in its shortest form as `wind`.
+    """Validate a wind document (spec/formats/wind.md) and return it in its shortest form as `wind`.
 
     422 `bad-wind` names the path of the invalid field and the allowed values.
     """

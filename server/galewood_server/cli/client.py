@@ -136,7 +136,7 @@ class Client:
         return self._request("GET", f"/api/trees/{tree_id}/evaluations")["evaluations"]
 
     def evaluation_report(self, evaluation_id: str) -> Json:
-        """The report of a finished evaluation (docs/formats/evaluation.md). ServiceError."""
+        """The report of a finished evaluation (spec/formats/evaluation.md). ServiceError."""
         return self._request("GET", f"/api/evaluations/{evaluation_id}/report")
 
     def evaluation_plot(self, evaluation_id: str) -> bytes:

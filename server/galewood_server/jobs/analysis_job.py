@@ -58,7 +58,7 @@ def _compare(
 
 
 def pack(comparison: Comparison, table: Table) -> bytes:
-    """Encode a comparison (docs/formats/comparison.md)."""
+    """Encode a comparison (spec/formats/comparison.md)."""
     metadata = table.metadata
     document: dict[str, Any] = {
         "format": FORMAT,

@@ -1,6 +1,6 @@
 """The message envelope of the wire protocol: prefix, msgpack header, padding, payload.
 
-Specified in docs/formats/wire.md. The functions below `decode_message` validate header fields.
+Specified in spec/formats/wire.md. The functions below `decode_message` validate header fields.
 """
 
 from __future__ import annotations

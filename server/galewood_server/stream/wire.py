@@ -1,4 +1,4 @@
-"""The wire protocol of /ws/forest, version 1: specified in docs/formats/wire.md.
+"""The wire protocol of /ws/forest, version 1: specified in spec/formats/wire.md.
 
 Requests are sent by clients, replies by the server. envelope.py has the common message structure,
 wire_forest.py and wire_frame.py the messages with numeric payloads. Decoders validate all fields, so that
@@ -120,7 +120,7 @@ class Hello:
 
 @dataclass(frozen=True)
 class WindChange:
-    """Changes the wind to a wind document (docs/formats/wind.md)."""
+    """Changes the wind to a wind document (spec/formats/wind.md)."""
 
     wind: Mapping[str, Any]
 
@@ -245,7 +245,7 @@ class Pong:
 
 @dataclass(frozen=True)
 class WindState:
-    """The forest's wind state (docs/formats/wind.md), sent after a change and on joining."""
+    """The forest's wind state (spec/formats/wind.md), sent after a change and on joining."""
 
     state: Mapping[str, Any]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +10,10 @@ from galewood.skinning import Distortion, with_attached_pieces
 from galewood.table import Table, decode
 from galewood.util import Floats
 
+from tests.golden import GOLDEN_FOLDER
 from tests.precompute import tree_meshes as make
 
-POLE = Path(__file__).parents[2] / "golden" / "pole-table.safetensors"
+POLE = GOLDEN_FOLDER / "pole-table.safetensors"
 
 
 def fruit_beside_a_long_edge() -> tuple[Table, Distortion, list[Floats]]:

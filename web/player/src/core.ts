@@ -1,7 +1,7 @@
 /**
  * Trees that sway, without three.js and without a browser: runs in Node, in workers and beside any engine.
  *
- * Tables and wind documents are those of Galewood (docs/formats).
+ * Tables and wind documents are those of Galewood (spec/formats).
  */
 import { decodeWithoutRecords, type Table } from "./core/table/table";
 

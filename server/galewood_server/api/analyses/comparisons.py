@@ -28,7 +28,7 @@ router = APIRouter(prefix="/api", tags=["comparisons"])
 
 
 class ComparisonRequest(BaseModel):
-    """Body of POST /api/trees/{id}/comparisons: a wind document (docs/formats/wind.md) or the state of a wind
+    """Body of POST /api/trees/{id}/comparisons: a wind document (spec/formats/wind.md) or the state of a wind
     transition, the tree's position and rotation, the start time and the number of frames."""
 
     model_config = ConfigDict(extra="forbid")
@@ -114,7 +114,7 @@ def comparison_events(comparison_id: str, request: Request, service: ServiceDep)
     responses={**contents("The tracks.", "application/msgpack"), **NOT_MODIFIED, **problems(404)},
 )
 def get_tracks(comparison_id: str, request: Request, service: ServiceDep) -> Response:
-    """The motion by each method (docs/formats/comparison.md)."""
+    """The motion by each method (spec/formats/comparison.md)."""
     with service.sessions() as session:
         sha256 = find_job(session, comparison_id, "comparison").result_sha256
     return result_file(request, service.stores.results, sha256, "tracks", "application/msgpack")

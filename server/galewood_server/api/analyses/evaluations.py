@@ -184,7 +184,7 @@ def evaluation_events(evaluation_id: str, request: Request, service: ServiceDep)
     responses={200: {"content": JSON_CONTENT}, **NOT_MODIFIED, **problems(404)},
 )
 def get_report(evaluation_id: str, request: Request, service: ServiceDep) -> Response:
-    """The full report: all figures by wind, method and frame (docs/formats/evaluation.md)."""
+    """The full report: all figures by wind, method and frame (spec/formats/evaluation.md)."""
     with service.sessions() as session:
         sha256 = find_job(session, evaluation_id, "evaluation").result_sha256
     return result_file(request, service.stores.results, sha256, "report", "application/json")

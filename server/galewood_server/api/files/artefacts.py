@@ -27,7 +27,7 @@ def _responses(media_type: str) -> dict[int | str, dict[str, Any]]:
 @router.get("/tables/{sha256}", response_class=FileResponse, responses=_responses("application/octet-stream"))
 @router.head("/tables/{sha256}", include_in_schema=False)
 def get_table(sha256: str, request: Request, service: ServiceDep) -> Response:
-    """A table file (docs/formats/table.md), whole or in ranges, compressed with zstd or gzip if accepted."""
+    """A table file (spec/formats/table.md), whole or in ranges, compressed with zstd or gzip if accepted."""
     return _file(request, service, service.stores.tables, "table", sha256, "application/octet-stream")
 
 
@@ -36,7 +36,7 @@ def get_table(sha256: str, request: Request, service: ServiceDep) -> Response:
 )
 @router.head("/records/{sha256}", include_in_schema=False)
 def get_records(sha256: str, request: Request, service: ServiceDep) -> Response:
-    """The records of the paper's state search for one table (docs/formats/table.md), like a table file."""
+    """The records of the paper's state search for one table (spec/formats/table.md), like a table file."""
     return _file(request, service, service.stores.records, "records", sha256, "application/octet-stream")
 
 
@@ -45,7 +45,7 @@ def get_records(sha256: str, request: Request, service: ServiceDep) -> Response:
 )
 @router.head("/compliances/{sha256}", include_in_schema=False)
 def get_compliance(sha256: str, request: Request, service: ServiceDep) -> Response:
-    """How a tree yields to forces at its points (docs/formats/compliance.md), like a table file."""
+    """How a tree yields to forces at its points (spec/formats/compliance.md), like a table file."""
     store = service.stores.compliances
     return _file(request, service, store, "compliance", sha256, "application/octet-stream")
 

@@ -60,7 +60,7 @@ class _TableRow(TableOut):
 
 
 class TableMetadata(BaseModel):
-    """The metadata of a table (docs/formats/table.md)."""
+    """The metadata of a table (spec/formats/table.md)."""
 
     sha256: str
     metadata: dict[str, Any]

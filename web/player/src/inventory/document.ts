@@ -1,4 +1,4 @@
-/** The inventory document: the stems of a stand, as `galewood convert` writes them (docs/formats/inventory.md). Pure. */
+/** The inventory document: the stems of a stand, as `galewood convert` writes them (spec/formats/inventory.md). Pure. */
 
 import { INVENTORY_VERSION } from "../core/constants";
 

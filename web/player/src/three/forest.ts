@@ -117,7 +117,7 @@ export class Forest extends Group {
     this.wind = wind;
   }
 
-  /** The wind: a document (docs/formats/wind.md), or a function. A new document takes over within 0.6 s. */
+  /** The wind: a document (spec/formats/wind.md), or a function. A new document takes over within 0.6 s. */
   get wind(): Wind {
     return this.blowing;
   }

@@ -85,7 +85,7 @@ export interface Schemas {
     tracks: string | null;
   };
   /**
-   * Body of POST /api/trees/{id}/comparisons: a wind document (docs/formats/wind.md) or the state of a wind
+   * Body of POST /api/trees/{id}/comparisons: a wind document (spec/formats/wind.md) or the state of a wind
    * transition, the tree's position and rotation, the start time and the number of frames.
    */
   ComparisonRequest: {
@@ -148,7 +148,7 @@ export interface Schemas {
     jobs_active: number;
     sockets: number;
   };
-  /** The stems of an inventory (docs/formats/inventory.md), and how its file was interpreted. */
+  /** The stems of an inventory (spec/formats/inventory.md), and how its file was interpreted. */
   InventoryOut: {
     version: 1;
     stems: Schemas["Stem"][];
@@ -209,7 +209,7 @@ export interface Schemas {
     table_version: number;
     wire_version: number;
   };
-  /** The wind document of a measurement (docs/formats/wind.md), and how its file was interpreted. */
+  /** The wind document of a measurement (spec/formats/wind.md), and how its file was interpreted. */
   MeasuredWindOut: {
     wind: Record<string, unknown>;
     report: Schemas["MeasurementReport"];
@@ -288,7 +288,7 @@ export interface Schemas {
     damaged: string[];
     tables: Schemas["TableOut"][];
   };
-  /** The metadata of a table (docs/formats/table.md). */
+  /** The metadata of a table (spec/formats/table.md). */
   TableMetadata: {
     sha256: string;
     metadata: Record<string, unknown>;
@@ -392,7 +392,7 @@ export interface Schemas {
     created_at: string;
     updated_at: string;
   };
-  /** A valid wind document (docs/formats/wind.md). */
+  /** A valid wind document (spec/formats/wind.md). */
   WindOut: {
     wind: Record<string, unknown>;
   };

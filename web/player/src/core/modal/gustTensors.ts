@@ -1,4 +1,4 @@
-/** Tensors of the gust layer: G places, L oscillators (docs/formats/table.md). */
+/** Tensors of the gust layer: G places, L oscillators (spec/formats/table.md). */
 export interface GustTensors {
   readonly place: Float32Array;
   readonly step: Float32Array;

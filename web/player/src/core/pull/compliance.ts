@@ -1,5 +1,5 @@
 /**
- * The compliance file: how a tree yields to forces at its points. Specified in docs/formats/compliance.md.
+ * The compliance file: how a tree yields to forces at its points. Specified in spec/formats/compliance.md.
  * Everything is validated, so that it can be solved without bounds checks.
  */
 import {

@@ -1,5 +1,5 @@
 /**
- * Reader of the table format: one safetensors file per species, with or without records (docs/formats/table.md).
+ * Reader of the table format: one safetensors file per species, with or without records (spec/formats/table.md).
  * Everything is validated here, so that a decoded table can be used without bounds checks.
  */
 
@@ -65,7 +65,7 @@ export interface TableMetadata {
   readonly [more: string]: unknown;
 }
 
-/** A decoded table: r modes, n nodes, j joints. Units in docs/formats/table.md. */
+/** A decoded table: r modes, n nodes, j joints. Units in spec/formats/table.md. */
 export interface Table {
   readonly metadata: TableMetadata;
   /** [r] metres of q per integer step */

@@ -1,4 +1,4 @@
-/** Wind document, version 1: fields, ranges and parser. Specified in docs/formats/wind.md. */
+/** Wind document, version 1: fields, ranges and parser. Specified in spec/formats/wind.md. */
 
 import {
   FOREST_WAVES,

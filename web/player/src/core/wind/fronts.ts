@@ -1,6 +1,6 @@
 /**
  * Gust fronts: single gusts that start at a place and travel with the wind, beside those of a document. Specified in
- * docs/formats/wind.md.
+ * spec/formats/wind.md.
  */
 import {
   FRONT_DEPTH_M,

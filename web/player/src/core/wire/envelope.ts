@@ -1,5 +1,5 @@
 /**
- * The envelope of every wire message: prefix, msgpack map, padding, payload. Specified in docs/formats/wire.md.
+ * The envelope of every wire message: prefix, msgpack map, padding, payload. Specified in spec/formats/wire.md.
  * The readers below validate the fields of a header.
  */
 import { decode, encode } from "@msgpack/msgpack";

@@ -1,4 +1,4 @@
-"""Plays Galewood tables in plain Python, from docs/formats/table.md alone; short rather than fast."""
+"""Plays Galewood tables in plain Python, from spec/formats/table.md alone; short rather than fast."""
 
 from __future__ import annotations
 

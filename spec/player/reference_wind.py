@@ -1,4 +1,4 @@
-"""Galewood winds in plain Python: an independent reader of docs/formats/wind.md, short rather than fast.
+"""Galewood winds in plain Python: an independent reader of spec/formats/wind.md, short rather than fast.
 
 Steady documents of the models cosine, spectral and recorded, pressure, and gusts within a crown;
 reference_noise.py has the other two models.

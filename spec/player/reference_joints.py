@@ -1,4 +1,4 @@
-"""Where the vertices of a Galewood table are drawn, from docs/formats/table.md alone."""
+"""Where the vertices of a Galewood table are drawn, from spec/formats/table.md alone."""
 
 from __future__ import annotations
 

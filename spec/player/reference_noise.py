@@ -1,4 +1,4 @@
-"""Galewood's winds perlin and navier-stokes in plain Python: a reader of docs/formats/wind.md."""
+"""Galewood's winds perlin and navier-stokes in plain Python: a reader of spec/formats/wind.md."""
 
 from __future__ import annotations
 
