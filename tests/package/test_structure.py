@@ -135,6 +135,7 @@ def python_sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "server",
         "scripts",
         "tests",
+        "spec/player",
         "docs/examples",
         "docs/_site",
         "setup.py",
