@@ -30,7 +30,7 @@ def convert(
 ) -> None:
     """Convert an inventory of stems, or an anemometer's recording, to JSON for the page and the player.
 
-    Stems become an inventory document, the record a wind document. Prints how it was interpreted.
+    Stems become an inventory document, a recording becomes a wind document. Prints how it was interpreted.
     """
     from galewood.conversion import read_data_file
     from galewood.inventory import Inventory
