@@ -97,10 +97,14 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/python scripts/write_page_types.py --check
 	$(BIN)/python -m scripts.check_constants
+	$(BIN)/python scripts/structure.py
+	$(BIN)/vulture
 	web/node_modules/.bin/pyright
-	cd web && npm run --silent lint && npm run --silent typecheck
+	cd web && npm run --silent lint && npm run --silent unused && npm run --silent typecheck
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
-	$(BIN)/hadolint Dockerfile
+	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.github-workflows .github/workflows/ci.yml
+	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
+	$(BIN)/hadolint Dockerfile .devcontainer/Dockerfile
 
 test-python: $(VENV)/.dev
 	$(PYTEST) -n 2 --dist loadfile -m "not long and not species"

@@ -7,7 +7,7 @@ import type { AddressInfo } from "node:net";
 import { extname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
-export const WEB = resolve(__dirname, "../../web");
+const WEB = resolve(__dirname, "../../web");
 export const EXAMPLES = join(WEB, "player/examples");
 const TREES = resolve(__dirname, "../../assets/species/shipped");
 

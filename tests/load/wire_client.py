@@ -13,7 +13,6 @@ from galewood_server.cli.bench_client import masked
 from galewood_server.stream import wire
 
 PATIENCE_S = 30.0
-SMALL_BUFFER = 4096
 
 
 class Refused(Exception):

@@ -145,32 +145,62 @@ def python_sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("file", "text", "name"),
+    ("file", "text", "unused"),
     [
-        ("precompute/galewood/wood/planted.py", "def planted_function() -> None: ...", "planted_function"),
-        ("precompute/galewood/wood/__init__.py", "", ""),
-        ("server/galewood_server/ops/planted.py", "class PlantedClass: ...", "PlantedClass"),
+        ("precompute/galewood/wood/planted.py", "def planted(): ...", ["planted"]),
+        ("server/galewood_server/ops/planted.py", "class Planted: ...", ["Planted"]),
+        (
+            "precompute/galewood/wood/__init__.py",
+            "def only_exported(): ...\n__all__ += ['only_exported']",
+            [],
+        ),
+        ("tests/package/planted.py", "PLANTED = 1", ["PLANTED"]),
+        ("tests/package/planted.py", "def planted(): ...\n\nplanted()", []),
     ],
 )
-def test_an_unused_name_is_found(python_sources: Path, file: str, text: str, name: str) -> None:
+def test_an_unused_name_is_found(python_sources: Path, file: str, text: str, unused: list[str]) -> None:
     path = python_sources / file
-    before = path.read_text() if path.exists() else None
-    path.write_text(f"{before or ''}\n{text}\n")
+    before = path.read_text() if path.exists() else ""
+    path.write_text(f"{before}\n{text}\n")
     try:
         found = checked([VULTURE], python_sources)
     finally:
-        path.unlink() if before is None else path.write_text(before)
-    assert (found.returncode, name in found.stdout) == ((3, True) if name else (0, True)), found.stdout
+        path.write_text(before)
+    assert found.returncode == (3 if unused else 0), found.stdout
+    assert [line.split("'")[1] for line in found.stdout.splitlines()] == unused
 
 
-def test_an_unused_export_is_found(tmp_path: Path) -> None:
-    copied(("web", "tests/web", "tests/e2e"), tmp_path)
+def test_a_name_that_no_other_package_imports_is_found(tmp_path: Path) -> None:
+    library = tmp_path / "precompute" / "galewood"
+    for package in ("wind", "wood"):
+        (library / package).mkdir(parents=True)
+    (library / "wood" / "__init__.py").write_text("used = unused = 1\n__all__ = ['used', 'unused']\n")
+    (library / "wood" / "oak.py").write_text("from galewood.wood import unused\n")
+    (library / "wind" / "gusts.py").write_text("from galewood.wood import used\n")
+    found = structure(tmp_path)
+    assert found.returncode == 1
+    assert idle_entries_left_out(found.stdout) == [
+        "galewood.wood exports unused, which no other package imports: remove it from __all__"
+    ]
+
+
+def test_an_unused_export_or_file_is_found(tmp_path: Path) -> None:
+    copied(("package.json", "web", "tests/web", "tests/e2e"), tmp_path)
     (tmp_path / "web" / "node_modules").symlink_to(NODE_MODULES)
-    knip: list[str | Path] = [NODE_MODULES / ".bin" / "knip", "--no-progress"]
-    found = checked(knip, tmp_path / "web")
+    unused: list[str | Path] = ["npm", "run", "--silent", "unused"]
+    found = checked(unused, tmp_path / "web")
     assert found.returncode == 0, found.stdout + found.stderr
     for file in ("web/src/page/planted.ts", "web/player/src/core/planted.ts"):
-        (tmp_path / file).write_text("export const planted = 1;\nexport const used = planted;\n")
-    found = checked(knip, tmp_path / "web")
+        (tmp_path / file).write_text("export const used = 1;\nexport const plantedExport = used;\n")
+    (tmp_path / "web" / "src" / "page" / "plantedFile.ts").write_text("export const nobody = 1;\n")
+    test = tmp_path / "tests" / "web" / "planted.test.ts"
+    test.write_text(
+        'import { used } from "../../web/src/page/planted";\n'
+        'import { used as other } from "../../web/player/src/core/planted";\n'
+        "console.log(used, other);\n"
+    )
+    found = checked(unused, tmp_path / "web")
     assert found.returncode == 1
-    assert found.stdout.count("planted") >= 2, found.stdout
+    words = found.stdout.split()
+    assert "web/src/page/plantedFile.ts" in words
+    assert words.count("plantedExport") == 2 and "used" not in words, found.stdout

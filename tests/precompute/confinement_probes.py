@@ -25,7 +25,6 @@ from galewood.sandbox.limited_process import Arrays
 
 LIBC = ctypes.CDLL(None, use_errno=True)
 DONE = "done"
-THREAD_FLAGS = 0x3D0F00
 NUMBERS: dict[str, tuple[int, int]] = {  # x86_64, aarch64
     "add_key": (248, 217), "bpf": (321, 280), "chroot": (161, 51), "clone": (56, 220), "clone3": (435, 435),
     "execve": (59, 221), "execveat": (322, 281), "fanotify_init": (300, 262), "fchmodat": (268, 53),

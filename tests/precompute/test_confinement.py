@@ -224,7 +224,6 @@ def test_each_restriction_that_fails_is_named(tmp_path, monkeypatch):
 
 
 PID = 4711
-X86_64, AARCH64 = system_calls.MACHINES
 ENOSYS, EPERM = (system_calls.RET_ERRNO | number for number in (errno.ENOSYS, errno.EPERM))
 
 

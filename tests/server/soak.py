@@ -43,7 +43,6 @@ LIMITS = {
 WARM_UP = 0.25
 """Share of the memory samples that are ignored as warm-up."""
 GROWTH_BYTES, GROWTH_HANDLES = 48 << 20, 6
-ACTIVE = ("queued", "running")
 
 
 class Soak:

@@ -17,8 +17,6 @@ from galewood.skinning import joint_rows
 from galewood.table import Table
 from galewood.util import Floats
 
-Move = Callable[[Floats], Floats]
-
 PAPER_ELEMENTS = (35, 135, 235, 335, 435)
 PAPER_FPS = (1133, 1098, 836, 602, 487)
 WOOD_COLOUR, INK_COLOUR, MODAL_COLOUR, PAPER_COLOUR = "#4a3526", "#333333", "#1b7f5c", "#c2571a"

@@ -4,7 +4,7 @@ import type { Browser, Page } from "@playwright/test";
 const PAGE_SIZE = { width: 320, height: 180 };
 
 /** Measurements, stored on the page's window. */
-export interface Counted {
+interface Counted {
   /** Main-thread time of each frame's callbacks, ms. */
   script_ms: number[];
   /** Interval between frames, ms. */

@@ -4,7 +4,7 @@ import { resolve } from "node:path";
 import type { Page } from "@playwright/test";
 import type { Shot } from "./shots";
 
-export const BASE_URL = process.env.BASE_URL ?? "http://127.0.0.1:8000";
+const BASE_URL = process.env.BASE_URL ?? "http://127.0.0.1:8000";
 export const PICTURES_FOLDER = process.env.FOLDER ?? resolve(import.meta.dirname, "../../../docs/images");
 export const LARGE_VIEWPORT = { width: 1200, height: 675 };
 /** Viewport while time advances and nothing is shown. */

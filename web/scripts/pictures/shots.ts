@@ -1,6 +1,6 @@
 /** The views of the forest in docs/images. */
 
-export type Place = { x: number; above: number; z: number };
+type Place = { x: number; above: number; z: number };
 
 export interface Shot {
   readonly season: "spring" | "summer" | "autumn" | "winter";
@@ -12,7 +12,7 @@ export interface Shot {
   readonly after_s: number;
 }
 
-export const STORM_WIND = {
+const STORM_WIND = {
   version: 1,
   direction_deg: 20,
   seed: 1,

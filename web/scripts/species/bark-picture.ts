@@ -3,7 +3,7 @@ import { blank, type Colour, type Picture } from "./picture";
 import { type Random, seededRandom } from "./random";
 
 /** Height (0 groove, 1 ridge) and colour of the bark at a position in the tile. */
-export interface BarkPoint {
+interface BarkPoint {
   height: number;
   colour: Colour;
 }

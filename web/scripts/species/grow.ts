@@ -42,7 +42,7 @@ function atHeight(species: Species, wood_height_m: number): Grown {
 }
 
 /** The tree in metres; its topmost leaf is at the height of the species. */
-export function growTree(species: Species): Grown {
+function growTree(species: Species): Grown {
   let height_m = 0.94 * species.height_m;
   let grown = atHeight(species, height_m);
   for (let round = 0; round < ROUND_COUNT; round++) {

@@ -7,7 +7,7 @@ import type { SkeletonNode } from "./skeleton";
 export type Profile = readonly number[];
 
 /** Arrangement of the side branches of one order on their parent. */
-export interface Branching {
+interface Branching {
   /** Number of side branches on each successive piece (body, then leaders) of a full-length parent. */
   count: readonly number[];
   /** Position of the first one on the parent's first piece, 0 to 1. */

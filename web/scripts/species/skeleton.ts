@@ -45,7 +45,7 @@ export function scaleToHeight(nodes: SkeletonNode[], height_m: number): void {
 }
 
 /** Length of wood carried by each node, m. */
-export function carriedLength(nodes: readonly SkeletonNode[]): Float64Array {
+function carriedLength(nodes: readonly SkeletonNode[]): Float64Array {
   const carried = new Float64Array(nodes.length);
   for (let i = nodes.length - 1; i > 0; i--) {
     const { parent, position } = nodes[i];

@@ -5,7 +5,7 @@ import type { Season } from "../scene/season/season";
 import type { Page } from "./app";
 import type { PickedFigures } from "./picking/treePicker";
 
-export interface Probe {
+interface Probe {
   readonly frame: number;
   readonly time_s: number;
   readonly readySpecies: string[];

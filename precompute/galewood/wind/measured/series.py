@@ -35,7 +35,6 @@ class Found:
     duration_s: float
     piece_start_s: float
     """Start of the longest piece, from the first sample."""
-    piece_s: float
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,6 @@ def series_of(samples: Samples) -> tuple[Series, Found]:
         interval_s=interval_s,
         duration_s=valid[-1][0] - valid[0][0] + interval_s,
         piece_start_s=piece[0][0] - valid[0][0],
-        piece_s=piece[-1][0] - piece[0][0] + interval_s,
     )
     if len(piece) < FEWEST_SAMPLES:
         longest_s = max(BRIDGED_S, BRIDGED_INTERVALS * interval_s)

@@ -24,8 +24,8 @@ const DISTANCE_BINS = 16;
 const BIN_M = 12;
 const CLASS_COUNT = 2 * LEVEL_COUNT * DISTANCE_BINS;
 /** Casters are sorted by the smallest distance from the eye to their shadow. */
-export const CAST_BINS = 32;
-export const CAST_BIN_M = 6;
+const CAST_BINS = 32;
+const CAST_BIN_M = 6;
 const NO_LEVEL = 255;
 /** Smallest share of the pieces while a tree gives way to its impostor. */
 const LEAST_SHOWN = 1e-3;

@@ -21,7 +21,7 @@ export interface FarCards {
 }
 
 /** Room for cards: 12 and 4 floats each. */
-export interface CardRoom {
+interface CardRoom {
   readonly data: Float32Array;
   readonly bend: Float32Array;
 }

@@ -8,7 +8,7 @@ const GRID_STYLE = { stroke: "rgba(255,255,255,0.1)", width: 1 };
 const AXIS_STYLE = { stroke: INK_COLOUR, grid: GRID_STYLE, ticks: GRID_STYLE, font: "11px sans-serif" };
 const DECADES = [1e-3, 100] as const;
 
-export const COLOURS = { sway: "#9aa6ab", modal: "#8fd694", paper: "#f2ad3f" } as const;
+const COLOURS = { sway: "#9aa6ab", modal: "#8fd694", paper: "#f2ad3f" } as const;
 
 const line = (label: string, stroke: string, dash?: number[]) => ({
   label,

@@ -1,4 +1,4 @@
-/** Decoder of comparison files (docs/formats/comparison.md). Pure. */
+/** Decoder of comparison files (spec/formats/comparison.md). Pure. */
 import { decode } from "@msgpack/msgpack";
 import type { Method } from "galewood/motion";
 
@@ -15,7 +15,7 @@ export interface Tracks {
 }
 
 /** [frames] largest node error against the reference, and Hausdorff distance, relative to the height. */
-export interface Errors {
+interface Errors {
   readonly max: readonly number[];
   readonly hausdorff: readonly number[];
 }

@@ -19,7 +19,7 @@ const WORDS: Record<Season, string> = {
 };
 
 /** Name of the part of the day. */
-export function partOfDay(daytime: number): string {
+function partOfDay(daytime: number): string {
   if (daytime < 0.06) return "sunrise";
   if (daytime < 0.36) return "morning";
   if (daytime < 0.6) return "midday";

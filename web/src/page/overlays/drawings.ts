@@ -12,7 +12,7 @@ import { shownFrequency_hz } from "./modes";
 import type { Structure } from "./structure";
 
 /** State of the tree in one frame. */
-export interface Moment {
+interface Moment {
   /** [nodes, 3] displacement of the nodes as drawn, tree frame, m. */
   readonly moved: Float32Array;
   /** [joints, 3] the same of the joints. */

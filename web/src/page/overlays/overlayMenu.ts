@@ -1,7 +1,7 @@
 /** Menu on the card of the picked tree: what to draw on it, and which mode. */
 import { make, makeButton, write } from "../ui/dom";
 
-export const OVERLAYS = {
+const OVERLAYS = {
   none: "Nothing",
   skeleton: "Skeleton",
   tetrahedra: "Tetrahedra",

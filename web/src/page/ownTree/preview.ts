@@ -14,7 +14,7 @@ import {
 import { PreviewStage } from "../../scene/previewStage";
 import { rowsOfVertices } from "./pieces";
 
-export const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
+const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
 const TURN_RAD_S = 0.35;
 const DIM_FACTOR = 0.3;
 const BRIGHT_FACTOR = 1.8;

@@ -27,7 +27,7 @@ export function namesOf(upload: string, trees: readonly FoundTree[]): string[] {
 }
 
 /** The frequency that the dialog proposes: null if the tree moves visibly with the stiffness of its wood. Pure. */
-export function proposedFrequency_Hz(expected: ExpectedMotion | null): number | null {
+function proposedFrequency_Hz(expected: ExpectedMotion | null): number | null {
   return expected && !expected.visible && isAdjustable(expected) ? expected.lively_Hz : null;
 }
 

@@ -9,7 +9,7 @@ export interface Fact {
 }
 
 /** The number at a path of the report; null if it is missing. */
-export function numberAt(report: unknown, ...path: (string | number)[]): number | null {
+function numberAt(report: unknown, ...path: (string | number)[]): number | null {
   let at: unknown = report;
   for (const step of path) {
     if (typeof at !== "object" || at === null) return null;

@@ -1,7 +1,7 @@
 /** Viewpoints, and the path of the fly-through. Pure. */
 import { gladeCentre_m, groundHeight_m } from "../ground/landscape";
 
-export interface Point {
+interface Point {
   readonly x: number;
   readonly y: number;
   readonly z: number;

@@ -9,7 +9,7 @@ import {
 import { Lattice } from "./lattice";
 
 /** Floats per plant: aPlant (x, y, z, size in m; 0 for none) and aLook (free for the kind). */
-export const PLANT_FLOATS = 8;
+const PLANT_FLOATS = 8;
 /** Writes the plant of a cell. */
 export type WritePlant = (out: Float32Array, at: number, column: number, row: number) => void;
 

@@ -6,7 +6,7 @@ import { hashUnit } from "galewood/random";
 import type { Placement } from "galewood/trees";
 import { type Grown, kindsOf } from "../forms";
 import { glade } from "../ground/landscape";
-import { chooseSpecies, FOREST_CENTRE, isWood, placeAt, reach_m, SPACING_M } from "../placement";
+import { chooseSpecies, isWood, placeAt, reach_m, SPACING_M } from "../placement";
 import type { Quality } from "../quality";
 
 /** The background forest ends here, m from the centre. */
@@ -84,7 +84,3 @@ export function plantFar<Tree extends Grown>(
     return tree ? trees.indexOf(tree) : -1;
   });
 }
-
-/** Direction and distance from the centre of the forest. */
-export const fromCentre_m = (x: number, z: number): number =>
-  Math.hypot(x - FOREST_CENTRE.x_m, z - FOREST_CENTRE.z_m);

@@ -29,7 +29,7 @@ export function freeStep(
 }
 
 /** Static displacement of the tip (m) per Pa, reduced smoothly towards the largest one. */
-export function softened(push_m: number, most_m: number): number {
+function softened(push_m: number, most_m: number): number {
   return 1 / (1 + Math.abs(push_m) / most_m);
 }
 

@@ -95,7 +95,7 @@ export const SKY_ELEVATIONS = 40;
 /** Sine of the elevation of a row; rows are spaced by its square root, fine at the horizon. */
 export const elevationOf_rad = (row: number) => (row / (SKY_ELEVATIONS - 1)) ** 2 * 0.5 * Math.PI;
 /** Azimuth of a column relative to the sun; columns are spaced by the sine of half the angle. */
-export const azimuthOf_rad = (column: number) => 2 * Math.asin(column / (SKY_AZIMUTHS - 1));
+const azimuthOf_rad = (column: number) => 2 * Math.asin(column / (SKY_AZIMUTHS - 1));
 
 const rayleighPhase = (cosine: number) => (3 / (16 * Math.PI)) * (1 + cosine * cosine);
 

@@ -16,7 +16,7 @@ export const cloudEdge = (cover: number): number => 0.715 - 0.36 * cover - 0.3 *
 export const EDGE_HALF_WIDTH = 0.08;
 
 /** Position on the plane of the clouds of a direction above the horizon. */
-export function onClouds(direction: { x: number; y: number; z: number }, drift: { x: number; y: number }) {
+function onClouds(direction: { x: number; y: number; z: number }, drift: { x: number; y: number }) {
   const far = 1 / (direction.y + 0.11);
   return { x: 0.8 * direction.x * far + drift.x, y: 1.2 * direction.z * far + drift.y };
 }

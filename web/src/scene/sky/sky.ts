@@ -66,12 +66,6 @@ void main() {
 }
 `;
 
-/** Drift of the clouds in units of their texture width. */
-export interface Drift {
-  x: number;
-  y: number;
-}
-
 export class Sky {
   readonly mesh: Mesh<SphereGeometry, ShaderMaterial>;
   readonly drift = new Vector2(0, 0);

@@ -58,7 +58,7 @@ export class DragConstraint {
 }
 
 /** out[first …] += rows [k, 3] × vector [3]. */
-export function addProduct(
+function addProduct(
   rows: Float64Array,
   vector: ArrayLike<number>,
   out: Float32Array | Float64Array,

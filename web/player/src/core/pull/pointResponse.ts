@@ -39,7 +39,7 @@ export class PullError extends Error {
 }
 
 /** Whether a compliance file belongs to the mesh of a table. */
-export const fits = (compliance: Compliance, { metadata, vertexNode }: Table): boolean =>
+const fits = (compliance: Compliance, { metadata, vertexNode }: Table): boolean =>
   compliance.meshSha256 === metadata.mesh_sha256 && compliance.vertexRow.length === vertexNode.length;
 
 /** Throws PullError if the tree has no such vertex. A compliance file of another mesh is ignored. */
@@ -62,7 +62,7 @@ export function pointResponse(table: Table, vertex: number, file: Compliance | n
 }
 
 /** [d] s²: coordinate of each oscillator at rest per unit of a constant force, 1/ω². */
-export function staticGain({ modal: { step } }: Table): Float64Array {
+function staticGain({ modal: { step } }: Table): Float64Array {
   return Float64Array.from({ length: step.length / 6 }, (_, k) => {
     const [a, b, c, d, s0, s1] = step.subarray(6 * k, 6 * k + 6);
     return (b * s1 - d * s0) / (a * d - b * c);

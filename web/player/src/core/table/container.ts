@@ -6,13 +6,13 @@ export class TableError extends Error {
 }
 
 export type Json = Record<string, unknown>;
-export type Numbers = Float32Array | Int16Array | Uint16Array | Uint32Array;
+type Numbers = Float32Array | Int16Array | Uint16Array | Uint32Array;
 const TYPES = { F32: Float32Array, I16: Int16Array, U16: Uint16Array, U32: Uint32Array } as const;
 
 /** Type and rank of each tensor by name. */
 export type Layout = Readonly<Record<string, readonly [keyof typeof TYPES, number]>>;
 
-export interface Tensor {
+interface Tensor {
   readonly shape: readonly number[];
   readonly values: Numbers;
 }

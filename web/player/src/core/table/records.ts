@@ -22,7 +22,7 @@ import {
   whole,
 } from "./container";
 
-export interface RecordsMetadata {
+interface RecordsMetadata {
   readonly records: number;
   readonly points: number;
   readonly components: number;
@@ -33,7 +33,7 @@ export interface RecordsMetadata {
   readonly [more: string]: unknown;
 }
 
-/** z records of r modes with their candidate lists. Units in docs/formats/table.md. */
+/** z records of r modes with their candidate lists. Units in spec/formats/table.md. */
 export interface Records {
   readonly metadata: RecordsMetadata;
   /** [z, r] in units of the table's modeScale */

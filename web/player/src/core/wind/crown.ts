@@ -1,6 +1,6 @@
 /**
  * Turbulence within a crown: gusts of a few metres, which the gust models of a forest are too coarse for. A frozen,
- * periodic velocity field carried over the forest by the wind. Specified in docs/formats/wind.md; sources in
+ * periodic velocity field carried over the forest by the wind. Specified in spec/formats/wind.md; sources in
  * precompute/galewood/wind/crown.py.
  */
 import {
@@ -23,7 +23,7 @@ import { hash32 } from "./hashing";
 import type { Moment } from "./transition";
 
 /** Velocity along and across the wind at the grid points, [cells, cells, 2], unit variance each. */
-export function crownField(seed: number): Float64Array<ArrayBuffer> {
+function crownField(seed: number): Float64Array<ArrayBuffer> {
   const field = new Float64Array(CROWN_CELLS * CROWN_CELLS * 2);
   for (let k = 0; k < CROWN_WAVES; k++) addWave(field, seed, k);
   for (let side = 0; side < 2; side++) {

@@ -16,7 +16,7 @@ const TIMED_NAMES: readonly string[] = TIMED_MODELS;
 /** One set per species of the forest, and some for the instruments. */
 const KEPT_BUFFERS = 12;
 
-export function gustsOf(wind: ResolvedWind): Gusts {
+function gustsOf(wind: ResolvedWind): Gusts {
   switch (wind.model) {
     case "perlin":
       return new PerlinGusts(wind.seed);

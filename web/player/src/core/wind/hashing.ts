@@ -1,5 +1,5 @@
 /** Seeded hashes, identical in every language. */
-import { HASH_FACTOR, HASH_GOLDEN, HASH_TURN_RAD } from "../constants";
+import { HASH_FACTOR, HASH_GOLDEN } from "../constants";
 
 /** Mueller's integer finaliser of (seed, k), 0 … 2³²−1. */
 export function hash32(seed: number, k: number): number {
@@ -13,6 +13,3 @@ export const signedUniform = (seed: number, k: number): number => hash32(seed, k
 
 /** A phase in [0, 1) turns. */
 export const phaseTurns = (seed: number, k: number): number => hash32(seed, k) / 4294967296;
-
-/** A phase in [0, 2π). */
-export const phaseRad = (seed: number, k: number): number => hash32(seed, k) * HASH_TURN_RAD;

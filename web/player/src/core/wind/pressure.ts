@@ -64,27 +64,3 @@ export function compression(ratio: number, strongest: number): number {
   const most = compressed(range);
   return ratio > range ? (most * compressed(ratio / range)) / ratio : most / range;
 }
-
-/**
- * Clamps pressures in place to the largest sampled magnitude and keeps their direction: beyond it every record would
- * be equally wrong.
- */
-export function limitPressure(pressureX: Output, pressureZ: Output, peak_pa: number): void {
-  for (let i = 0; i < pressureX.length; i++) {
-    const strength = Math.sqrt(pressureX[i] ** 2 + pressureZ[i] ** 2);
-    if (strength <= peak_pa) continue;
-    pressureX[i] *= peak_pa / strength;
-    pressureZ[i] *= peak_pa / strength;
-  }
-}
-
-/** Share (0..1) of the pressures that are within the sampled range. */
-export function coverage(pressureX: Places, pressureZ: Places, peak_pa: number): number {
-  const count = pressureX.length;
-  if (count === 0) return 1;
-  let inside = 0;
-  for (let i = 0; i < count; i++) {
-    if (pressureX[i] * pressureX[i] + pressureZ[i] * pressureZ[i] <= peak_pa * peak_pa) inside++;
-  }
-  return inside / count;
-}

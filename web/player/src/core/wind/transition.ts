@@ -21,7 +21,7 @@ export interface WindState {
 }
 
 /** Which gusts within the crowns blow, and how strongly: in a transition the old fade out, then the new in. */
-export interface CrownFade {
+interface CrownFade {
   readonly seed: number;
   readonly length_scale_m: number;
   /** 0 … 1, and 0 for the cosine model. */

@@ -1,4 +1,4 @@
-/** The wind, specified in docs/formats/wind.md. */
+/** The wind, specified in spec/formats/wind.md. */
 import type { WindDocument } from "./document";
 import { WindField } from "./field";
 import type { Output, Places } from "./frame";
@@ -11,16 +11,15 @@ export {
   hasField,
   parseWind,
   parseWindText,
-  resolveWind,
   WIND_RANGES,
   WindError,
 } from "./document";
 export { WindField } from "./field";
-export { phaseRad } from "./hashing";
+
 export { CALM_BREEZE, PRESETS, type PresetName, paperWind } from "./presets";
-export { coverage, dynamicPressure, heightFactor, limitPressure } from "./pressure";
-export { EMPTY_RECORDING, type Recording } from "./recording";
-export { changeWind, finalWind, parseState, steady, type WindState, windAt, withFront } from "./transition";
+export { dynamicPressure, heightFactor } from "./pressure";
+export { EMPTY_RECORDING } from "./recording";
+export { changeWind, finalWind, parseState, steady, type WindState, withFront } from "./transition";
 
 let last: { wind: WindDocument; field: WindField } | undefined;
 

@@ -1,5 +1,5 @@
 /**
- * The wire format of /ws/forest, version 1: specified in docs/formats/wire.md.
+ * The wire format of /ws/forest, version 1: specified in spec/formats/wire.md.
  *
  * Requests go from client to server, replies from server to client. envelope.ts holds their common part, wireForest.ts
  * and wireFrame.ts the messages with numeric payloads. Decoders validate everything they return.
@@ -55,38 +55,38 @@ import {
 } from "./wirePull";
 
 export { WireError } from "./envelope";
-export type { About, Forest, Group, Shared } from "./wireForest";
-export type { Frame, Rows } from "./wireFrame";
-export type { Gust, Pull, Pulling, Pulls, Release } from "./wirePull";
+export type { About, Forest } from "./wireForest";
+export type { Frame } from "./wireFrame";
+export type { Pulls } from "./wirePull";
 
 // ---- client to server ----------------------------------------------------------------------------
 
 /** First message of a client: its name. */
-export interface Hello {
+interface Hello {
   type: "hello";
   client: string;
 }
 
-/** A new wind document (docs/formats/wind.md). */
-export interface WindChange {
+/** A new wind document (spec/formats/wind.md). */
+interface WindChange {
   type: "wind";
   wind: Header;
 }
 
 /** Requests a Pong with the same number. */
-export interface Ping {
+interface Ping {
   type: "ping";
   t: number;
 }
 
 /** Stops or resumes the forest's clock. */
-export interface Pause {
+interface Pause {
   type: "pause";
   paused: boolean;
 }
 
 /** Requests a key frame, because the client cannot apply the deltas. */
-export interface Resync {
+interface Resync {
   type: "resync";
 }
 
@@ -142,7 +142,7 @@ export function decodeRequest(data: ArrayBuffer): Request {
 // ---- server to client ----------------------------------------------------------------------------
 
 /** Answer to Hello: server name, wire version, frames per second. */
-export interface Welcome {
+interface Welcome {
   type: "welcome";
   server: string;
   version: number;
@@ -150,7 +150,7 @@ export interface Welcome {
 }
 
 /** A chunk of a table file, starting at byte `offset` of `total`. */
-export interface TableChunk {
+interface TableChunk {
   type: "table";
   table: string;
   offset: number;
@@ -159,7 +159,7 @@ export interface TableChunk {
 }
 
 /** Why the server is about to close the connection. */
-export interface Failure {
+interface Failure {
   type: "error";
   code: string;
   title: string;
@@ -167,7 +167,7 @@ export interface Failure {
 }
 
 /** Answer to Ping, with the server's clock; `made_s` of frames and clocks uses the same clock. */
-export interface Pong {
+interface Pong {
   type: "pong";
   t: number;
   server_s: number;
@@ -182,13 +182,13 @@ export interface Clock {
 }
 
 /** Number of clients of a shared forest, sent to all of them when it changes. */
-export interface Presence {
+interface Presence {
   type: "presence";
   clients: number;
 }
 
-/** The forest's wind and its clock (docs/formats/wind.md), after a change or on joining. */
-export interface WindStateReply {
+/** The forest's wind and its clock (spec/formats/wind.md), after a change or on joining. */
+interface WindStateReply {
   type: "windState";
   state: Header;
 }

@@ -15,7 +15,7 @@ import {
 } from "./envelope";
 
 /** `count` trees that share one table (SHA-256 in hex). */
-export interface Group {
+interface Group {
   table: string;
   count: number;
 }

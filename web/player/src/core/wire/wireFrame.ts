@@ -8,7 +8,7 @@ import { WIRE_FRAME } from "../constants";
 import { encodeMessage, entries, type Header, number, only, textMap, WireError, whole } from "./envelope";
 
 /** Poses of one group, or their differences: `count` rows of `modes` numbers in units of `quantum` × modes.scale. */
-export interface Rows {
+interface Rows {
   count: number;
   modes: number;
   quantum: number;

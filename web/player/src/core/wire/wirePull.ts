@@ -14,7 +14,7 @@ import { encodeMessage, entries, type Header, number, only, textMap, WireError, 
 type Vector = readonly [number, number, number];
 
 /** A hand moves a vertex of the tree at (x, z) by `target` from rest, m, in the tree's frame, scale 1. */
-export interface PullValues {
+interface PullValues {
   readonly hand: number;
   readonly x: number;
   readonly z: number;
@@ -39,7 +39,7 @@ export interface Gust {
 }
 
 /** A pull and the force that it exerts, N, in the tree's frame at scale 1. */
-export interface Pulling extends PullValues {
+interface Pulling extends PullValues {
   readonly force: Vector;
 }
 

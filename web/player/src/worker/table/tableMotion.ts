@@ -10,7 +10,7 @@ import { oscillatorFrequencies_hz } from "./oscillators";
 const CROWN_FROM = 0.6;
 
 /** Mean displacement of the crown per unit of each coordinate: [3, modes]. */
-export function crownBasisOf(table: Table): Float32Array<ArrayBuffer> {
+function crownBasisOf(table: Table): Float32Array<ArrayBuffer> {
   const { modes, height_m } = table.metadata;
   const mean = new Float32Array(3 * modes);
   let nodes = 0;

@@ -8,9 +8,6 @@ import { PaintBar } from "./paintBar";
 import { Painter } from "./painter";
 import { readPieceModel } from "./pieceModel";
 
-/** The server takes at most so many ids for each kind. */
-export const MOST_RANGES = 4000;
-
 export interface PaintingHost {
   readonly stage: PreviewStage;
   readonly canvas: HTMLCanvasElement;

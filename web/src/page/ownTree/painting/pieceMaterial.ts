@@ -3,7 +3,7 @@ import { DataTexture, DoubleSide, NearestFilter, ShaderMaterial, type Texture } 
 import type { PieceKind } from "../pieces";
 
 /** sRGB. */
-export const KIND_COLOURS: Record<PieceKind, readonly [number, number, number]> = {
+const KIND_COLOURS: Record<PieceKind, readonly [number, number, number]> = {
   wood: [0xc0, 0x8a, 0x55],
   twigs: [0x96, 0x66, 0x3c],
   leaves: [0x7f, 0xb0, 0x61],

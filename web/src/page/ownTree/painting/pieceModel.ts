@@ -12,7 +12,7 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import type { PieceKind } from "../pieces";
 import type { PieceTable } from "./paintedKinds";
 
-export interface PiecePart {
+interface PiecePart {
   /** Position, uv if there is a texture, and `piece`: the row of each vertex. */
   readonly geometry: BufferGeometry;
   readonly map: Texture | null;

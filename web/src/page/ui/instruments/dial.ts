@@ -21,7 +21,7 @@ export function dialTurn_deg(forward: { x: number; z: number }): number {
   return -90 - (Math.atan2(forward.z, forward.x) * 180) / Math.PI;
 }
 
-export const wrap_deg = (angle: number): number => angle - 360 * Math.floor(angle / 360);
+const wrap_deg = (angle: number): number => angle - 360 * Math.floor(angle / 360);
 
 /**
  * The wind whose arrow ends at a position. The length of the arrow is the square root of the speed, the rim is the

@@ -5,7 +5,7 @@ import type { Gusts, Output, Places } from "../frame";
 import { phaseTurns } from "../hashing";
 
 /** cos(2π turns) to 1e-15: several times faster than the library function and bit-identical in both languages. */
-export function cosTurns(turns: number): number {
+function cosTurns(turns: number): number {
   const y = Math.PI * (turns - Math.floor(turns + 0.5));
   const z = y * y;
   let s = 1 / 121645100408832000;

@@ -24,7 +24,7 @@ export interface Lattice {
 }
 
 /** `order` holds the integers 0 … 255 in seeded order, twice. */
-export function latticeOf(seed: number): Lattice {
+function latticeOf(seed: number): Lattice {
   const order = Int32Array.from({ length: 512 }, (_, i) => i);
   for (let i = 255; i > 0; i--) {
     const j = hash32(seed, i) % (i + 1);
@@ -38,12 +38,7 @@ export function latticeOf(seed: number): Lattice {
 }
 
 /** Improved noise with mean 0 and a period of 256 cells in each direction. */
-export function noise(
-  { order: p, slopeX, slopeY, slopeZ }: Lattice,
-  px: number,
-  py: number,
-  pz: number,
-): number {
+function noise({ order: p, slopeX, slopeY, slopeZ }: Lattice, px: number, py: number, pz: number): number {
   const fx = Math.floor(px);
   const fy = Math.floor(py);
   const fz = Math.floor(pz);

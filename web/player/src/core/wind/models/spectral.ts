@@ -35,7 +35,7 @@ export class SpectralGusts implements Gusts {
 }
 
 /** Frame of unit variance, to inspect the field itself in tests. */
-export function spectralPicture(seed: number, beta: number): Picture {
+function spectralPicture(seed: number, beta: number): Picture {
   const along = new Float64Array(ROWS * COLUMNS);
   const across = new Float64Array(ROWS * COLUMNS);
   for (let x = 0; x < COLUMNS; x++) writeColumn(along, across, seed, beta, x);
