@@ -10,9 +10,9 @@ from galewood.pipeline.options import (
     BuildOptions,
     BuildResult,
     Progress,
+    TableSettings,
     bare_path,
 )
-from galewood.pipeline.table_settings import TableSettings
 from galewood.shipped import SHIPPED_FOLDER, ShippedTree, read_shipped
 from galewood.util import lazily
 
@@ -23,9 +23,8 @@ if TYPE_CHECKING:
     from galewood.pipeline.from_beams import beam_table
     from galewood.pipeline.kernel_compilation import compile_kernels
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
-    from galewood.pipeline.summary import import_lines
+    from galewood.pipeline.summary import import_lines, tree_lines
     from galewood.pipeline.surface import render_mesh
-    from galewood.pipeline.tree_figures import tree_lines
 
 __getattr__ = lazily(
     __name__,
@@ -46,7 +45,7 @@ __getattr__ = lazily(
         "builtin_meshes": "galewood.pipeline.shipping",
         "outdated": "galewood.pipeline.shipping",
         "ship": "galewood.pipeline.shipping",
-        "tree_lines": "galewood.pipeline.tree_figures",
+        "tree_lines": "galewood.pipeline.summary",
     },
 )
 __all__ = [

@@ -10,8 +10,8 @@ import numpy as np
 from galewood.constants import TABLE_FORMAT, TABLE_VERSION
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors
+from galewood.pipeline.options import TableSettings
 from galewood.pipeline.surface import RenderMesh
-from galewood.pipeline.table_settings import TableSettings
 from galewood.reduction import (
     GustModes,
     ModalTraining,

@@ -13,7 +13,7 @@ from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
 from galewood.model import TreeModel
 from galewood.pipeline.options import BuildOptions, Stages
-from galewood.pipeline.tree_figures import figures_of
+from galewood.pipeline.summary import figures_of
 from galewood.sampling import DesignWind, content_hash
 from galewood.table import Metadata, Records, Table
 
