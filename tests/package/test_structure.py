@@ -144,28 +144,33 @@ def python_sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return copied(parts, tmp_path_factory.mktemp("python"))
 
 
+EXPORTED_ONLY = {
+    "precompute/galewood/wood/species.py": "def planted_oak(): ...",
+    "precompute/galewood/wood/__init__.py": "from galewood.wood.species import planted_oak\n"
+    "__all__ = ['planted_oak']",
+}
+
+
 @pytest.mark.parametrize(
-    ("file", "text", "unused"),
+    ("files", "unused"),
     [
-        ("precompute/galewood/wood/planted.py", "def planted(): ...", ["planted"]),
-        ("server/galewood_server/ops/planted.py", "class Planted: ...", ["Planted"]),
-        (
-            "precompute/galewood/wood/__init__.py",
-            "def only_exported(): ...\n__all__ += ['only_exported']",
-            [],
-        ),
-        ("tests/package/planted.py", "PLANTED = 1", ["PLANTED"]),
-        ("tests/package/planted.py", "def planted(): ...\n\nplanted()", []),
+        ({"precompute/galewood/wood/planted.py": "def planted_oak(): ..."}, ["planted_oak"]),
+        ({"server/galewood_server/ops/planted.py": "class PlantedMeter: ..."}, ["PlantedMeter"]),
+        ({"tests/package/planted.py": "PLANTED_OAK = 1"}, ["PLANTED_OAK"]),
+        ({"tests/package/planted.py": "def planted_oak(): ...\n\nplanted_oak()"}, []),
+        (EXPORTED_ONLY, ["planted_oak"]),
     ],
 )
-def test_an_unused_name_is_found(python_sources: Path, file: str, text: str, unused: list[str]) -> None:
-    path = python_sources / file
-    before = path.read_text() if path.exists() else ""
-    path.write_text(f"{before}\n{text}\n")
+def test_an_unused_name_is_found(python_sources: Path, files: dict[str, str], unused: list[str]) -> None:
+    paths = {python_sources / name: text for name, text in files.items()}
+    before = {path: path.read_text() if path.exists() else "" for path in paths}
     try:
+        for path, text in paths.items():
+            path.write_text(f"{before[path]}\n{text}\n")
         found = checked([VULTURE], python_sources)
     finally:
-        path.write_text(before)
+        for path, text in before.items():
+            path.write_text(text)
     assert found.returncode == (3 if unused else 0), found.stdout
     assert [line.split("'")[1] for line in found.stdout.splitlines()] == unused
 
