@@ -33,7 +33,6 @@ CROWDED_FOLDERS: dict[str, int] = {
     "precompute/galewood/export": 19,
     "precompute/galewood/fem": 19,
     "precompute/galewood/mesh": 62,
-    "precompute/galewood/pipeline": 17,
     "server/galewood_server/api": 16,
     "server/galewood_server/stream": 20,
     "tests/e2e": 30,
