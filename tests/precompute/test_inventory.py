@@ -285,7 +285,7 @@ def test_trees_without_a_diameter_are_slender_where_they_stand_densely() -> None
 
 def test_the_document_has_the_fields_of_its_format() -> None:
     document = json.loads(json.dumps(read_inventory(FILES["plain"][0].encode()).document()))
-    page = (ROOT / "docs" / "formats" / "inventory.md").read_text(encoding="utf-8")
+    page = (ROOT / "spec" / "formats" / "inventory.md").read_text(encoding="utf-8")
     assert f"# The inventory document, version {document['version']}\n" in page
     for field in fields(Stem):
         assert f"`{field.name}`" in page, field.name
