@@ -31,7 +31,7 @@ def test_a_process_that_starts_while_its_caller_is_cancelled_is_ended(
     monkeypatch.setattr(asyncio, "create_subprocess_exec", created_slowly)
 
     async def cancelled_while_it_starts() -> None:
-        task = asyncio.create_task(start_module("pdb", environment={}))  # waits for commands
+        task = asyncio.create_task(start_module("code", environment={}))  # waits for commands
         await exists.wait()
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
@@ -46,7 +46,7 @@ def test_a_frozen_guard_is_killed_with_its_program(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(processes, "FROZEN_S", 0.1)
 
     async def stopped_while_frozen() -> list[psutil.Process]:
-        process = await start_module("pdb", environment={})
+        process = await start_module("code", environment={})
         guard = psutil.Process(process.pid)
         family = await asyncio.to_thread(wait_until, guard.children)
         guard.suspend()
