@@ -18,13 +18,13 @@ PYTEST ?= $(BIN)/python -m pytest
 # All that a wheel is made of, beside the page.
 WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__pycache__/*' 2>/dev/null) \
 	pyproject.toml setup.py README.md LICENSE NOTICE
-KERNEL_SOURCES := $(shell grep -rl numba precompute/galewood --include='*.py' 2>/dev/null)
+KERNEL_SOURCES := precompute/galewood/constants.py $(shell grep -rl numba precompute/galewood --include='*.py' 2>/dev/null)
 WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json \
 	web/player/package.json
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run build player wheel test test-long test-all check docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
+.PHONY: help run develop build player wheel test test-long test-all check docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -64,6 +64,8 @@ build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
 # ---- everyday --------------------------------------------------------------------------------------
 player: web/player/dist/core.js ## the npm package for other pages, in web/player/dist
 
+develop: build player $(VENV)/.dev ## what tests and checks need as well
+
 build: $(VENV)/.base ## set everything up, compile the kernels and build the page
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line build/.kernels web/dist/index.html
 
@@ -89,7 +91,7 @@ test-long: ## the tests that `make test` leaves out: the wheel, documents, whole
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target wheel docs
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-python-long test-e2e-long
 
-test-all: test test-long ## every test but those of `make test-species` and `make test-distributed`
+test-all: test test-long ## every test but those of test-species, test-distributed and test-containers
 
 check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .

@@ -20,7 +20,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-ROOTS = ("precompute", "server", "scripts", "tests", "tools", "spec", "docs", "web")
+ROOTS = ("precompute", "server", "scripts", "tests", "spec", "docs", "web")
 SKIPPED_FOLDERS = {"node_modules", "dist", "__pycache__", "results"}
 SUFFIXES = {".py", ".ts", ".tsx", ".js", ".mjs"}
 PYTHON_SCRIPT = b"#!/usr/bin/env python3"
@@ -51,7 +51,7 @@ LONG_SIGNATURES: dict[str, int] = {
 }
 
 
-CONSTANT_ROOTS = ("precompute", "server", "scripts", "tools", "web")
+CONSTANT_ROOTS = ("precompute", "server", "scripts", "web")
 CLEAR_NAMES = {"FORMAT", "JIT", "MAGIC", "PACKAGE", "REPOSITORY", "ROOT", "SIOCOUTQNSD", "VERSION"}
 """Constants of one word that say what they are."""
 TYPESCRIPT_CONSTANT = re.compile(r"^(?:export )?const ([A-Z][A-Z0-9]*)\b(?:: [^=]*)? = ?(.*)$", re.MULTILINE)

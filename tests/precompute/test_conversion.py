@@ -79,7 +79,7 @@ def test_the_command_writes_an_inventory_document(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "Trees: 2 of 3 rows" in result.output
     assert "Foo bar (unknown) is shown as maple: 1" in result.output
-    assert "row 4: neither height nor diameter" in result.output
+    assert "line 4: neither height nor diameter" in result.output
     document = json.loads((tmp_path / "stand.forest.json").read_text())
     assert document == json.loads(json.dumps(read_inventory(path).document()))
     assert json.loads(report.read_text()) == document["report"]

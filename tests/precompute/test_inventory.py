@@ -222,9 +222,9 @@ def test_the_report_says_what_was_assumed_substituted_and_skipped() -> None:
         "1 of 2 heights were missing and estimated from the diameter.",
         "1 of 2 trees lack a height or a diameter, which decide between the open-grown and the slender form: "
         "the density of the plot decides.",
-        "Skipped 7 of 9 rows: row 3: no coordinates; row 4: neither height nor diameter; row 5: a height of 400.0 m is "
-        "not between 0.5 and 120 m; row 6: a diameter of 20.00 m is not between 0 and 12 m; row 8: 4995 m from the "
-        "centre; at most 1000 m are shown; row 9: neither height nor diameter; row 10: height: 'tall' is not a "
+        "Skipped 7 of 9 rows: line 3: no coordinates; line 4: neither height nor diameter; line 5: a height of 400.0 m is "
+        "not between 0.5 and 120 m; line 6: a diameter of 20.00 m is not between 0 and 12 m; line 8: 4995 m from the "
+        "centre; at most 1000 m are shown; line 9: neither height nor diameter; line 10: height: 'tall' is not a "
         "number.",
     )
     assert (report.rows, report.stems, report.skipped, report.estimated_heights) == (9, 2, 7, 1)

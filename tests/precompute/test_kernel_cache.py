@@ -39,12 +39,31 @@ def test_one_compiles_and_the_others_wait(cache: Path) -> None:
     assert kernels_compiled()
 
 
-def test_kernels_of_changed_sources_are_compiled_again(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    sources = cache.parent / "sources"
-    sources.mkdir()
+@pytest.fixture
+def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "sources"
+    folder.mkdir()
+    (folder / "kernel.py").write_text("import numba")
+    (folder / "constants.py").write_text("LIMIT_PA = 1.0")
+    monkeypatch.setattr(kernel_cache, "PACKAGE", folder)
+    return folder
+
+
+def test_kernels_with_another_value_of_a_constant_are_removed(cache: Path, sources: Path) -> None:
+    ours, others = cache / "sources_1" / "kernel.step-1.py311.nbi", cache / "other_1" / "kernel.f-1.py311.nbi"
+    compile_once(lambda: None)
+    for file in (ours, others):
+        file.parent.mkdir()
+        file.write_bytes(b"compiled")
+    (sources / "constants.py").write_text("LIMIT_PA = 2.0")
+    assert not kernels_compiled()
+    compile_once(lambda: None)
+    assert kernels_compiled()
+    assert not ours.exists() and others.exists()
+
+
+def test_kernels_of_changed_sources_are_compiled_again(cache: Path, sources: Path) -> None:
     kernel = sources / "kernel.py"
-    kernel.write_text("import numba")
-    monkeypatch.setattr(kernel_cache, "PACKAGE", sources)
     compile_once(lambda: None)
     assert kernels_compiled()
     Path(sources, "other.py").write_text("without kernels")

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from itertools import islice
 
 from galewood.inventory import Inventory, is_inventory, read_inventory
-from galewood.util import Row, decoded, rows_of
+from galewood.util import HEADER_WITHIN, Row, decoded, rows_of
 from galewood.wind import Measurement, is_measurement, read_measurement
-
-HEADER_WITHIN = 100
-"""Rows among which the names of the columns are looked for."""
 
 
 class UnknownContentError(ValueError):
@@ -20,7 +18,8 @@ def read_data_file(data: bytes, *, start_s: float = 0.0) -> Inventory | Measurem
     """Read the stems of an inventory (CSV, GeoJSON) or the record of an anemometer (CSV).
 
     ``start_s``: where the used part of a record begins, from its first sample. Raises UnknownContentError for
-    any other file, InventoryError or MeasurementError for one that is faulty.
+    any other file, InventoryError or MeasurementError for one that is faulty, such as JSON that is no
+    GeoJSON.
     """
     text = decoded(data)
     if text.lstrip().startswith("{"):
@@ -37,7 +36,9 @@ def read_data_file(data: bytes, *, start_s: float = 0.0) -> Inventory | Measurem
 
 
 def _first_rows(text: str) -> list[Row]:
-    try:
-        return list(islice(rows_of(text), HEADER_WITHIN))
-    except ValueError:  # cells that no table has
-        return []
+    """Those before a cell that no table has: if they name columns, the reader reports its line."""
+    found: list[Row] = []
+    with suppress(ValueError):
+        for row in islice(rows_of(text), HEADER_WITHIN):
+            found.append(row)
+    return found

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from galewood.inventory.errors import InventoryError
-from galewood.util import Row
+from galewood.util import HEADER_WITHIN, Row
 
 _NAMES = {
     "x": r"x|x (m|coord[a-z]*)|coord[a-z]* x|pos x|x pos|east|easting|utm x|utm e(ast)?|rechtswert|ostwert",
@@ -39,7 +39,6 @@ _SYNONYMS = {
     "metre": "m",
     "metres": "m",
 }
-HEADER_WITHIN = 50
 NEEDED_COLUMNS = (
     "no column names were found. Needed are 'x' and 'y' (m) or 'lon' and 'lat', and 'height' (m) "
     "or 'dbh' (cm); 'species' is useful"

@@ -93,7 +93,7 @@ def read_inventory(file: Path | bytes) -> Inventory:
         raise InventoryError(str(error)) from None
 
 
-def _inventory(rows: list[Row], what: str) -> Inventory:
+def _inventory(rows: list[Row], counted: str) -> Inventory:
     columns, first = find_header(rows)
     units = _units(columns, rows[first:])
     raws: list[_Raw] = []
@@ -105,12 +105,12 @@ def _inventory(rows: list[Row], what: str) -> Inventory:
         except ValueError as error:
             skipped.append(Skipped(row.line, str(error)))
     if not raws:
-        why = f" ({what} {skipped[0].line}: {skipped[0].reason})" if skipped else ""
+        why = f" ({counted} {skipped[0].line}: {skipped[0].reason})" if skipped else ""
         raise InventoryError(f"no row describes a tree{why}")
     placed, far = _placed(raws, columns.geographic)
     skipped += far
     skipped.sort(key=lambda one: one.line)
-    return _reported(placed, skipped, columns, units, len(data))
+    return _reported(placed, skipped, columns, units, len(data), counted)
 
 
 def _units(columns: Columns, rows: list[Row]) -> dict[str, str]:
@@ -233,7 +233,12 @@ def _is_formless(raw: _Raw) -> bool:
 
 
 def _reported(
-    placed: list[_Raw], skipped: list[Skipped], columns: Columns, units: dict[str, str], rows: int
+    placed: list[_Raw],
+    skipped: list[Skipped],
+    columns: Columns,
+    units: dict[str, str],
+    rows: int,
+    counted: str,
 ) -> Inventory:
     east, north = [raw.x for raw in placed], [raw.y for raw in placed]
     width_m, depth_m = max(east) - min(east), max(north) - min(north)
@@ -260,5 +265,5 @@ def _reported(
         notes=(),
     )
     formless = sum(map(_is_formless, placed))
-    notes = notes_of(report, columns, units, formless)
+    notes = notes_of(report, columns, units, formless, counted)
     return Inventory(stems, replace(report, figures=figures_of(report), notes=notes))

@@ -72,9 +72,10 @@ def figures_of(report: InventoryReport) -> dict[str, str]:
 
 
 def notes_of(
-    report: InventoryReport, columns: Columns, units: dict[str, str], formless: int
+    report: InventoryReport, columns: Columns, units: dict[str, str], formless: int, counted: str
 ) -> tuple[str, ...]:
-    """The sentences. ``formless``: how many trees lack a height or a diameter."""
+    """The sentences. ``formless``: how many trees lack a height or a diameter; ``counted``: what the file
+    numbers, "line" or "feature"."""
     notes: list[str] = []
     if report.substitutes:
         shown = _listed([_shown(one) for one in report.substitutes[:MOST_LISTED]], len(report.substitutes))
@@ -99,7 +100,7 @@ def notes_of(
     if "species" not in columns.index and "genus" not in columns.index:
         notes.append("There is no column of species: trees below 8 m are apricots, the others maples.")
     if report.skipped:
-        first = [f"row {one.line}: {one.reason}" for one in report.first_skipped]
+        first = [f"{counted} {one.line}: {one.reason}" for one in report.first_skipped]
         notes.append(f"Skipped {report.skipped} of {report.rows} rows: {_listed(first, report.skipped)}.")
     return tuple(notes)
 

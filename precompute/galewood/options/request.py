@@ -115,7 +115,7 @@ class TableRequest(BaseModel):
         default=None,
         ge=2,
         le=64,
-        description="Oscillators of the modal model; default: 16, or 48 for a tree that bends far.",
+        description="Oscillators of the modal model; default: 16, or 32 where the training error needs it.",
     )
     paper: bool = Field(
         default=True, description="Compute the records of the paper's method after the table."

@@ -3,7 +3,7 @@
 from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
 from galewood.util.atomic_file import write_arrays, write_atomically
 from galewood.util.cancelled import Cancelled
-from galewood.util.delimited import Row, decoded, number_of, rows_of
+from galewood.util.delimited import HEADER_WITHIN, Row, decoded, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
 from galewood.util.guarded_process import AbortedError, GuardedProcess, Lifeline
 from galewood.util.kernel_cache import compile_once, kernels_compiled
@@ -13,6 +13,7 @@ from galewood.util.text import shown_message, shown_text
 from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [
+    "HEADER_WITHIN",
     "AbortedError",
     "Array",
     "Cancelled",

@@ -14,6 +14,8 @@ from galewood.util.text import shown_text
 DELIMITERS = ("\t", ";", ",")
 LOOKED_AT = 50
 """Lines from which the delimiter is found."""
+HEADER_WITHIN = 100
+"""Rows among which the names of the columns are looked for."""
 COMMENTS = ("#", "%", "!", "//")
 MISSING_VALUES = frozenset(
     ("", "nan", "na", "n/a", "#n/a", "null", "none", "nodata", "-", "--", "inf", "-inf")

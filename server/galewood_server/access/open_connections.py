@@ -14,7 +14,7 @@ from typing import Protocol
 
 RESERVED_DESCRIPTORS = 64  # for the database, files and libraries
 SPARE_DESCRIPTORS = 96
-"""Left when the last connection is admitted: those above, and some for connections not yet count_open."""
+"""Left when the last connection is admitted: those above, and some for connections not yet counted."""
 CONNECTION_SHARE = 0.5  # of the descriptors: each connection may need another one, for the file it is sent
 ADDRESS_SHARE = 0.375
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import islice
 
-from galewood.util import Row, number_of
+from galewood.util import HEADER_WITHIN, Row, number_of
 from galewood.wind.measured.columns import (
     SPEED_UNITS,
     TIME_UNITS,
@@ -20,8 +20,6 @@ from galewood.wind.measured.columns import (
 from galewood.wind.measured.errors import MeasurementError, at
 from galewood.wind.measured.times import DAY_S, date_time_s, is_clock, is_month_first
 
-HEADER_WITHIN = 100
-"""Rows among which the names of the columns are looked for."""
 UNIT_ROWS = 3
 MOST_ROWS = 2_000_000
 FASTEST_M_S = 75.0

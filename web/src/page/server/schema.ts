@@ -41,7 +41,7 @@ export interface Schemas {
     frames?: number;
     /** Seed of the training winds. */
     seed?: number;
-    /** Oscillators of the modal model; default: 16, or 48 for a tree that bends far. */
+    /** Oscillators of the modal model; default: 16, or 32 where the training error needs it. */
     modes?: number | null;
     /** Compute the records of the paper's method after the table. */
     paper?: boolean;
