@@ -46,12 +46,14 @@ describe("tables", () => {
     expect(await contentOf(file("time,speed\n0,3\n"))).toEqual({ kind: "measurement", found: MEASURED });
   });
 
-  test("GeoJSON and broken JSON are sent, too", async () => {
-    for (const text of ['{"type": "FeatureCollection", "features": []}', '{"stems": [']) {
-      const sent = service(200, STAND);
-      await contentOf(file(text, "a.geojson"));
-      expect(sent).toHaveBeenCalledOnce();
-    }
+  test("GeoJSON is sent, too; JSON that is broken is refused", async () => {
+    const sent = service(200, STAND);
+    await contentOf(file('{"type": "FeatureCollection", "features": []}', "a.geojson"));
+    expect(sent).toHaveBeenCalledOnce();
+    await expect(contentOf(file('{"stems": [', "a.json"))).rejects.toMatchObject({
+      title: "The file is not valid JSON.",
+    });
+    expect(sent).toHaveBeenCalledOnce();
   });
 
   test("of another kind may be trees", async () => {

@@ -36,7 +36,7 @@ describe("the inventory document", () => {
   });
 
   test.each<[string, unknown, string]>([
-    ["a table", "x;y;height\n0;0;9\n", "`galewood convert` makes one of a CSV or GeoJSON file"],
+    ["a table", "x;y;height\n0;0;9\n", "`galewood convert` makes one from a CSV or GeoJSON file"],
     ["GeoJSON", { type: "FeatureCollection", features: [] }, "`galewood convert`"],
     ["nothing", null, "`galewood convert`"],
     ["another version", { ...STAND, version: 2 }, "version: this reader knows version 1, not 2"],

@@ -65,6 +65,23 @@ test("one that cannot be loaded leaves the usual forest, and says why", async ()
   expect([state.inventory, page.toasts]).toEqual([null, ["Gone."]]);
 });
 
+test("a failure of the page itself leaves the usual forest, too", async () => {
+  const broken = new TypeError("a chunk is missing");
+  const unhandled = new Promise((found) => process.once("unhandledRejection", found));
+  const { state } = started({ inventory: "api/a" });
+  page.asked.get("api/a")?.reject(broken);
+  expect(await unhandled).toBe(broken);
+  expect(state.inventory).toBeNull();
+});
+
+test("after a link with a view, another inventory is shown", async () => {
+  const { world, planting } = started({ inventory: "api/a" }, "?view=1,2,3,4,5,6");
+  page.asked.get("api/a")?.resolve(named("a"));
+  await settle();
+  planting.open({ stems: [] } as never, "mine.csv");
+  expect(world.look).toHaveBeenCalledOnce();
+});
+
 test("a file replaces the address, cannot be shared, and can be removed", async () => {
   const { store, settings, state, planting } = started({ inventory: "api/a" });
   page.asked.get("api/a")?.resolve(named("a"));

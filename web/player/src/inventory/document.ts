@@ -36,7 +36,8 @@ type Fields = Readonly<Record<string, unknown>>;
 const isFields = (value: unknown): value is Fields =>
   typeof value === "object" && value !== null && !Array.isArray(value);
 
-const NOT_CONVERTED = "expected an inventory document; `galewood convert` makes one of a CSV or GeoJSON file";
+const NOT_CONVERTED =
+  "This is not an inventory document; `galewood convert` makes one from a CSV or GeoJSON file";
 
 /** Reads an inventory document, as text or parsed. Throws an InventoryError that names what is wrong. */
 export function readInventory(given: unknown): Inventory {

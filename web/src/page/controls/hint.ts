@@ -6,19 +6,19 @@ const WIDE_HINT = "Drag the arrow. Click a tree.";
 /** On a phone the arrow is behind a button. */
 const PHONE_HINT = "Tap a tree. “Wind” has an arrow to drag.";
 
-type Store = Pick<Storage, "getItem" | "setItem">;
+type Shelf = Pick<Storage, "getItem" | "setItem">;
 
-function seen(store: () => Store): boolean {
+function seen(shelf: () => Shelf): boolean {
   try {
-    return store().getItem(STORAGE_KEY) !== null;
+    return shelf().getItem(STORAGE_KEY) !== null;
   } catch {
     return false; // storage is blocked
   }
 }
 
 /** Shows the hint unless this visitor has seen it. */
-export function showHint(store: () => Store): void {
-  if (seen(store)) return;
+export function showHint(shelf: () => Shelf): void {
+  if (seen(shelf)) return;
   const hint = element("hint");
   hint.textContent = matchMedia("(max-width: 760px)").matches ? PHONE_HINT : WIDE_HINT;
   hint.hidden = false;
@@ -27,7 +27,7 @@ export function showHint(store: () => Store): void {
     acted.abort();
     hint.hidden = true;
     try {
-      store().setItem(STORAGE_KEY, "1");
+      shelf().setItem(STORAGE_KEY, "1");
     } catch {
       // shown again next time
     }

@@ -19,7 +19,7 @@ const whole = (value: number) => Math.round(value).toLocaleString("en");
 const fine = (value: number) => value.toFixed(1);
 const hundredths = (value: number) => value.toFixed(2);
 
-const PLANTED_CHOICES = {
+const PLANTED_LABELS = {
   "Not planted": "none",
   "One in the clearing": "one",
   "Among the others": "more",
@@ -46,6 +46,7 @@ export class Panel {
     this.forest(pane.addFolder({ title: "Forest" }));
     this.species = pane.addFolder({ title: "Species mix", expanded: false });
     this.uploads = pane.addFolder({ title: "Uploaded trees", expanded: false });
+    this.uploads.hidden = true;
     this.motion(pane.addFolder({ title: "Motion" }));
     const loud = pane.addFolder({ title: "Sound", expanded: false });
     loud.addBinding(store.state, "volume", { label: "Volume", min: 0, max: 1, step: 0.05 });
@@ -213,7 +214,7 @@ export class Panel {
     const { settings } = this.store;
     bind<Planted | "none">(
       this.uploads,
-      { label, options: PLANTED_CHOICES },
+      { label, options: PLANTED_LABELS },
       () => plantedAs(settings, id) ?? "none",
       (how) => plantAs(settings, id, how === "none" ? null : how),
     );

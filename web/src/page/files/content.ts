@@ -21,14 +21,14 @@ export async function contentOf(file: File): Promise<Content | null> {
     : { kind: "measurement", found };
 }
 
-/** The JSON object in a file; an empty one if it holds something else. */
+/** The JSON object in a file; an empty one if it holds something else. Throws a Problem. */
 async function documentIn(file: File): Promise<object> {
   const beginning = await file.slice(0, 100).text();
   if (!/^\s*\{/.test(beginning)) return {};
   try {
     return JSON.parse(await file.text());
   } catch {
-    return {};
+    throw new Problem("The file is not valid JSON.", "It begins like JSON, but is damaged or incomplete.");
   }
 }
 

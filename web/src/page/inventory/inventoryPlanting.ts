@@ -21,11 +21,15 @@ export function canBeShared({ state, settings }: Store): boolean {
 }
 
 export class InventoryPlanting {
+  /** The inventory of a link that has a view: only this one does not move the camera. */
+  private readonly linkedWithView: string | null;
+
   constructor(
     private readonly store: Store,
     private readonly world: World,
   ) {
-    const { settings } = store;
+    const { settings, opened } = store;
+    this.linkedWithView = opened.eye === null ? null : settings.inventory;
     makeInventoryCard(store.state, {
       report: showInventory,
       look: (inventory) => this.look(inventory),
@@ -52,8 +56,9 @@ export class InventoryPlanting {
     } catch (error) {
       if (!(error instanceof Problem)) throw error;
       showToast(error.title, error.hint);
+    } finally {
+      if (settings.inventory === address) this.plant(found, address); // without one: the usual forest
     }
-    if (settings.inventory === address) this.plant(found, address);
   }
 
   /** Plants the stems of a file, which has no address; in a shared forest the others could not see them. */
@@ -68,10 +73,10 @@ export class InventoryPlanting {
   }
 
   private plant(inventory: NamedInventory | null, address: string): void {
-    const { settings, state, opened } = this.store;
+    const { settings, state } = this.store;
     settings.inventory = address;
     state.inventory = inventory;
-    if (inventory && opened.eye === null) this.look(inventory);
+    if (inventory && (address === "" || address !== this.linkedWithView)) this.look(inventory);
   }
 
   /** Shows all of the stand. */

@@ -4,6 +4,8 @@ import { type Inventory, SCALES } from "galewood/inventory";
 import { fetchApi, Problem } from "../server/api";
 import { showReport } from "../ui/reportDialog";
 
+const UNREADABLE = "The inventory could not be read.";
+
 export interface NamedInventory extends Inventory {
   readonly name: string;
   /** The species in it, in lower case. */
@@ -18,14 +20,17 @@ export const namedInventory = (inventory: Inventory, name: string): NamedInvento
 
 /** Loads the inventory document of an address of this server. Throws a Problem. */
 export async function loadInventory(address: string): Promise<NamedInventory> {
-  const url = new URL(address, document.baseURI);
-  if (url.origin !== location.origin) {
+  const url = URL.canParse(address, document.baseURI) ? new URL(address, document.baseURI) : null;
+  if (url?.origin !== location.origin) {
     throw new Problem(
-      "The inventory could not be read.",
+      UNREADABLE,
       "The address must belong to this server; drop the file on the page instead.",
     );
   }
-  const response = await fetchApi(url.href);
+  const response = await fetchApi(url.href).catch((error: unknown) => {
+    if (!(error instanceof Problem)) throw error;
+    throw new Problem(UNREADABLE, `${url.href}: ${error.title}`);
+  });
   const { inventoryFrom } = await import("../files/content");
   const real = /filename="([^"]+)"/.exec(response.headers.get("content-disposition") ?? "");
   const name = real?.[1] ?? url.pathname.replace(/^.*\//, "");

@@ -31,10 +31,9 @@ export function withShared(query: string, share: string | null): string {
 
 /** What others need to reproduce the placement. */
 export function placementOf(settings: Settings): About {
-  const usual: Settings = { ...settings, trees: Number.NaN, forestSeed: Number.NaN };
-  for (const key of ["density", "shares", "planted", "form", "inventory", "method", "poseEasing"] as const) {
-    Object.assign(usual, { [key]: settingsFromQuery("")[key] });
-  }
+  const standard = settingsFromQuery("");
+  const placed = Object.fromEntries(PLACEMENT_KEYS.map((key) => [key, standard[key]]));
+  const usual: Settings = { ...settings, ...placed, trees: Number.NaN, forestSeed: Number.NaN };
   const query = queryFromSettings(settings, usual);
   return query.length <= 200 ? { planting: query } : {};
 }

@@ -10,7 +10,7 @@ import { sharedFrom } from "../settings/sharedForest";
 import { Playback } from "./playback";
 import { reactive, watch } from "./signals";
 
-/** What is true of this visit only. Each value has one writer, named here. */
+/** What is true of this visit only. Who writes a value is named with it. */
 export interface PageState {
   /** Id of the shared forest; null while the forest is private. `Sharing`. */
   share: string | null;
