@@ -35,12 +35,12 @@ class Service:
     files_lock: threading.Lock = field(default_factory=threading.Lock)
     # set when a job is queued or cancelled, so that the supervisor reacts before its next poll
     jobs_changed: asyncio.Event = field(default_factory=asyncio.Event)
-    # both take seconds of a processor; an export keeps no picture waiting, and neither of them an upload
+    # each takes seconds of a processor; none of them keeps another one or an upload waiting
     exports: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("exports", 8, 4, kept=32))
     pictures: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("pictures", 128, 32))
     inventories: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("inventories", 128, 32, kept=4))
     # files that anyone may have converted; those that are being received count among the waiting ones
-    conversions: Turns = field(default_factory=lambda: Turns("conversions", 2, 6, most_of_address=2))
+    conversions: Turns = field(default_factory=lambda: Turns("conversions", 1, 7, most_of_address=2))
     # open connections by address
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])
     event_addresses: dict[str, int] = field(default_factory=dict[str, int])

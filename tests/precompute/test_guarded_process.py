@@ -15,7 +15,8 @@ from pathlib import Path
 
 import psutil
 import pytest
-from galewood.util import AbortedError, GuardedProcess
+from galewood.util import AbortedError, GuardedProcess, guarded_process
+from galewood.util.guarded_process import GUARD_SCRIPT
 
 # A family that keeps growing: each process starts children in sessions of their own, whose parents then end.
 GROWING = """
@@ -156,6 +157,16 @@ def test_a_process_ends_while_a_thread_waits_for_it(folder: Path) -> None:
         assert not living(folder)
         with pytest.raises(AbortedError):
             waiting.result(60)
+
+
+def test_a_frozen_guard_is_killed_with_its_program(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guarded_process, "FROZEN_S", 0.1)
+    with guarded([sys.executable, "-ISc", WAITING, str(folder)], folder):
+        wait_for_members(folder, 1)
+        (guard,) = [one for one in psutil.Process().children() if str(GUARD_SCRIPT) in one.cmdline()]
+        guard.suspend()
+    psutil.wait_procs([psutil.Process(int(file.name)) for file in folder.iterdir()], 60)
+    assert not living(folder)
 
 
 def test_a_program_that_does_not_exist_is_an_error(folder: Path) -> None:

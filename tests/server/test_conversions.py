@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+import os
+import socket
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import httpx
 import pytest
 from galewood.inventory import read_inventory
 from galewood.wind import read_measurement
+from galewood_server.cli import commands
 from galewood_server.cli.commands import app
 from typer.testing import CliRunner
 
-from tests.server.conftest import Server, fake_service
+from tests.server.conftest import Server, fake_service, wait_until
 
 CSV = "x,y,species,height,dbh\n0,0,Bergahorn,12,30\n3,4,Foo bar,9,\n5,5,oak,,\n"
 LIMIT_BYTES = 1 << 20
@@ -86,8 +90,9 @@ def test_the_inventory_of_the_service_is_converted_again_when_it_changes(
     path.write_text(CSV, encoding="utf-8")
     server = start_server(GALEWOOD_INVENTORY=str(path))
     with server.client() as api:
-        for text in (CSV, CSV, CSV.replace("12,30", "15,30")):
-            path.write_text(text, encoding="utf-8")
+        for text in (CSV, "", CSV.replace("12,30", "15,30")):
+            if text:  # otherwise asked again
+                path.write_text(text, encoding="utf-8")
             answer = api.get("/api/inventory")
             assert answer.status_code == 200, answer.text
             assert answer.headers["content-disposition"].startswith("inline")
@@ -98,6 +103,35 @@ def test_the_inventory_of_the_service_is_converted_again_when_it_changes(
         path.unlink()
         status, code, hint = problem(api.get("/api/inventory"))
         assert (status, code) == (404, "no-inventory") and "galewood forest" in hint
+
+
+def test_one_address_has_two_places(api: httpx.Client) -> None:
+    head = "POST /api/convert HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n"
+    with ExitStack() as senders:
+
+        def refused_beside_another_sender() -> bool:
+            address = (api.base_url.host, api.base_url.port or 0)
+            sender = senders.enter_context(socket.create_connection(address))
+            sender.sendall(head.encode())  # and nothing of the body
+            return converted(api, CSV).status_code == 503
+
+        wait_until(refused_beside_another_sender)
+        assert problem(converted(api, CSV))[:2] == (503, "busy")
+    wait_until(lambda: converted(api, CSV).status_code == 200)
+
+
+def test_the_command_reports_and_serves_the_stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "stand.csv"
+    path.write_text(CSV)
+    served: list[tuple[object, ...]] = []
+    monkeypatch.setattr(commands, "serve", lambda *given: served.append(given))
+    monkeypatch.setenv("GALEWOOD_INVENTORY", "")
+    result = CliRunner().invoke(app, ["forest", str(path), "--port", "8123"])
+    assert result.exit_code == 0, result.output
+    assert served == [(None, 8123, None)]
+    assert os.environ["GALEWOOD_INVENTORY"] == str(path.resolve())
+    assert "Trees: 2 of 3 rows" in result.stdout and "Foo bar" in result.stdout
+    assert "http://127.0.0.1:8123/?inventory=api/inventory" in result.stdout
 
 
 def test_the_command_refuses_other_files(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from galewood.util.atomic_file import write_arrays, write_atomically
 from galewood.util.cancelled import Cancelled
 from galewood.util.delimited import HEADER_WITHIN, Row, decoded, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
-from galewood.util.guarded_process import AbortedError, GuardedProcess, Lifeline
+from galewood.util.guarded_process import FROZEN_S, AbortedError, GuardedProcess, Lifeline
 from galewood.util.kernel_cache import compile_once, kernels_compiled
 from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
@@ -13,6 +13,7 @@ from galewood.util.text import shown_message, shown_text
 from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [
+    "FROZEN_S",
     "HEADER_WITHIN",
     "AbortedError",
     "Array",

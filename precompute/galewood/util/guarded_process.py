@@ -19,6 +19,8 @@ from weakref import WeakSet
 
 import psutil
 
+FROZEN_S = 30.0
+"""Time after which a guard that does not end is frozen, and killed, s; it ends within a second."""
 GUARD_SCRIPT = Path(__file__).with_name("guard.py")
 
 
@@ -109,7 +111,11 @@ class GuardedProcess:
         with self._lock:
             self._lifeline.close()
             self._running.discard(self)
-        self._guard.wait()
+        try:
+            self._guard.wait(FROZEN_S)
+        except subprocess.TimeoutExpired:
+            self._guard.kill()
+            self._guard.wait()
 
     @classmethod
     def end_all(cls) -> None:

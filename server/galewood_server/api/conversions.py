@@ -10,12 +10,14 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
+from galewood.constants import INVENTORY_VERSION
 from galewood.conversion import convert_limited
 from galewood.inventory import InventoryReport, Stem
 from galewood.util import write_atomically
 from galewood.wind import MeasurementReport
 from pydantic import BaseModel
 
+from galewood_server.api.health import VERSION
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, problems, read_body
 
@@ -61,7 +63,7 @@ async def convert(
     """Convert an inventory of stems (CSV, GeoJSON) or the record of an anemometer (CSV). Needs no key, and
     nothing is stored. 415 `unknown-content`: the file is neither; 422 names the line of an error."""
     limit_bytes = service.settings.upload_bytes
-    title = f"The file is larger than {limit_bytes // 1024**2} MB."
+    title = f"The file is larger than {limit_bytes // 1024**2} MB"
     too_large = ProblemError(413, "file-too-large", title, hint="Split the file.")
     async with service.conversions.admitted(request) as turns:
         data = await read_body(request, limit_bytes, too_large)
@@ -75,15 +77,15 @@ async def get_inventory(request: Request, service: ServiceDep) -> Response:
     """Return the inventory that this service was started with (`galewood forest FILE`), which the page plants
     with `?inventory=api/inventory`."""
     path = service.settings.inventory
-    if path is None or not path.is_file():
+    target = await asyncio.to_thread(_converted_file, service, path) if path else None
+    if path is None or target is None:
         raise ProblemError(
             404,
             "no-inventory",
             "This service has no inventory",
             hint="Start it with `galewood forest FILE`, or set GALEWOOD_INVENTORY.",
         )
-    data, target = await asyncio.to_thread(_read, service, path)
-    await service.inventories.have(target, request, partial(_write_converted, data, target))
+    await service.inventories.have(target, request, partial(_convert, path, target))
     return FileResponse(
         target,
         media_type="application/json",
@@ -93,11 +95,16 @@ async def get_inventory(request: Request, service: ServiceDep) -> Response:
     )
 
 
-def _read(service: Service, path: Path) -> tuple[bytes, Path]:
-    """The operator's file, and where its conversion is kept."""
-    data = path.read_bytes()
-    return data, service.settings.cache_dir / "inventories" / f"{hashlib.sha256(data).hexdigest()}.json"
+def _converted_file(service: Service, path: Path) -> Path | None:
+    """Where the conversion of the operator's file as it is now is kept; None if there is no such file."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    state = (VERSION, INVENTORY_VERSION, str(path), found.st_mtime_ns, found.st_size)
+    name = hashlib.sha256(repr(state).encode()).hexdigest()
+    return service.settings.cache_dir / "inventories" / f"{name}.json"
 
 
-def _write_converted(data: bytes, target: Path) -> None:
-    write_atomically(target, convert_limited(data))
+def _convert(path: Path, target: Path) -> None:
+    write_atomically(target, convert_limited(path.read_bytes()))

@@ -12,6 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import Receive, Scope, Send
 
+from galewood_server.http import IMMUTABLE_CACHE
 from galewood_server.storage import preferred_coding
 
 NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Galewood</title>
@@ -21,7 +22,6 @@ NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Galew
 <pre>make build</pre>
 <p>The REST API is documented at <a href="/docs">/docs</a>.</p></body></html>"""
 HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "same-origin"}
-IMMUTABLE_CACHE = "public, max-age=31536000, immutable"
 SUFFIXES = {"br": ".br", "gzip": ".gz"}
 """Codings of the copies that the build writes beside the page's files (web/scripts/precompress.ts)."""
 

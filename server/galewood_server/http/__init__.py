@@ -13,6 +13,7 @@ from galewood_server.http.errors import (
 from galewood_server.http.etags import (
     COMPRESSED_BYTES,
     GZIP_LEVEL,
+    IMMUTABLE_CACHE,
     NOT_MODIFIED,
     body_with_etag,
     etag_matches,
@@ -56,6 +57,7 @@ __all__ = [
     "COMPRESSED_BYTES",
     "EVENT_STREAM",
     "GZIP_LEVEL",
+    "IMMUTABLE_CACHE",
     "NOT_MODIFIED",
     "UPLOAD_FORM",
     "Health",

@@ -12,6 +12,8 @@ from pydantic import BaseModel
 
 from galewood_server.storage import preferred_coding
 
+IMMUTABLE_CACHE = "public, max-age=31536000, immutable"
+"""Cache-Control of a file whose address changes with its content."""
 NOT_MODIFIED: dict[int | str, dict[str, Any]] = {304: {"description": "The client's copy is current."}}
 
 COMPRESSED_BYTES, GZIP_LEVEL = 1000, 5

@@ -8,14 +8,12 @@ from contextlib import suppress
 
 import psutil
 from galewood.threads import SINGLE_THREADED
-from galewood.util import Lifeline
+from galewood.util import FROZEN_S, Lifeline
 
 CHILD_NICENESS = 10
 """Of child processes, so that streams go on beside them; from the start, because imports take seconds."""
 PRIORITY_DECREASE = 5
 """By how much `lower_priority` lowers it."""
-FROZEN_S = 30.0
-"""Time after which a guard that does not end is frozen, and killed, s; it ends within a second."""
 
 
 class ChildProcess:

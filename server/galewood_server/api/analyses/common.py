@@ -12,8 +12,7 @@ from pydantic import BaseModel
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from galewood_server.api.files.artefacts import IMMUTABLE_CACHE
-from galewood_server.http import ProblemError, etag_matches, not_found
+from galewood_server.http import IMMUTABLE_CACHE, ProblemError, etag_matches, not_found
 from galewood_server.storage import ACTIVE_STATES, ANALYSIS_INPUTS, FileStore, Job, JobKind, JobState, Tree
 
 MAX_ACTIVE = 8

@@ -9,11 +9,18 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 
 from galewood_server.context import Service, ServiceDep
-from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, not_found, problems
+from galewood_server.http import (
+    IMMUTABLE_CACHE,
+    NOT_MODIFIED,
+    ProblemError,
+    contents,
+    etag_matches,
+    not_found,
+    problems,
+)
 from galewood_server.storage import PREFERRED_CODINGS, FileStore, coding_of, encoded_file
 
 router = APIRouter(prefix="/api", tags=["artefacts"])
-IMMUTABLE_CACHE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
 COMPRESSED_KINDS = ("table", "records", "compliance")
 
