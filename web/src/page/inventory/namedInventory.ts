@@ -4,7 +4,7 @@ import { type Inventory, SCALES } from "galewood/inventory";
 import { fetchApi, Problem } from "../server/api";
 import { showReport } from "../ui/reportDialog";
 
-const UNREADABLE = "The inventory could not be read.";
+const UNREADABLE_TITLE = "The inventory could not be read.";
 
 export interface NamedInventory extends Inventory {
   readonly name: string;
@@ -23,13 +23,13 @@ export async function loadInventory(address: string): Promise<NamedInventory> {
   const url = URL.canParse(address, document.baseURI) ? new URL(address, document.baseURI) : null;
   if (url?.origin !== location.origin) {
     throw new Problem(
-      UNREADABLE,
+      UNREADABLE_TITLE,
       "The address must belong to this server; drop the file on the page instead.",
     );
   }
   const response = await fetchApi(url.href).catch((error: unknown) => {
     if (!(error instanceof Problem)) throw error;
-    throw new Problem(UNREADABLE, `${url.href}: ${error.title}`);
+    throw new Problem(UNREADABLE_TITLE, `${url.href}: ${error.title}`);
   });
   const { inventoryFrom } = await import("../files/content");
   const real = /filename="([^"]+)"/.exec(response.headers.get("content-disposition") ?? "");
