@@ -23,7 +23,7 @@ from galewood.constants import (
     WIRE_VERSION,
 )
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import MAGIC, encode_message
+from galewood_server.stream.wire.envelope import MAGIC, encode_message
 
 from tests.golden import GOLDEN_FOLDER
 

@@ -10,8 +10,8 @@ from collections.abc import Awaitable, Callable
 from dataclasses import replace
 
 import numpy as np
-from galewood.wind import Wind
-from galewood_server.stream import Forest, wire
+from galewood.motion.wind import Wind
+from galewood_server.stream import wire
 
 from tests.load.report import FrameTimes, Report
 from tests.load.wire_client import (
@@ -42,7 +42,7 @@ def answered(here: Target, status: int, *wanted: int) -> bool:
     return status in wanted or (here.may_fail and status in UNAVAILABLE)
 
 
-def planted(table: str, count: int, seed: int, share: str | None = None) -> Forest:
+def planted(table: str, count: int, seed: int, share: str | None = None) -> wire.Forest:
     """A request for a streamed forest."""
     rng = np.random.default_rng(seed)
     trees = rng.uniform([-120, -120, -np.pi, 0.8], [120, 120, np.pi, 1.25], (count, 4)).astype(np.float32)

@@ -15,11 +15,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from galewood.constants import TICK_HZ, WIRE_FOREST, WIRE_VERSION
+from galewood.motion.wind.evaluation import Wind, WindState, parse_state, parse_wind_or_state
 from galewood.table import format as table_format
-from galewood.wind.evaluation import Wind, WindState, parse_state, parse_wind_or_state
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import encode_message
 from galewood_server.stream.forest import ForestClock, ForestStepper
+from galewood_server.stream.wire.envelope import encode_message
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import encode_message
+from galewood_server.stream.wire.envelope import encode_message
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 

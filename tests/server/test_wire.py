@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from galewood.constants import WIRE_PING, WIRE_VERSION
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import MAGIC, WireError, decode_message, encode_message
+from galewood_server.stream.wire.envelope import MAGIC, WireError, decode_message, encode_message
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from galewood.constants import TICK_HZ, WIRE_VERSION
-from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
+from galewood.motion.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
 
 from galewood_server.access import rate_limit_key
 from galewood_server.api.connections import limited_connection
@@ -23,7 +23,6 @@ from galewood_server.stream import (
     UNSUPPORTED_DATA,
     SessionError,
     Subscription,
-    WireError,
     protocol_of,
     wire,
 )
@@ -140,7 +139,7 @@ class Session:
         self._check_message_rate()
         try:
             return wire.decode_request(data)
-        except WireError as error:
+        except wire.WireError as error:
             close = INVALID_DATA if error.code == "malformed-message" else POLICY_VIOLATION
             raise SessionError(error.code, f"{error}"[:1].upper() + f"{error}"[1:], close=close) from None
 

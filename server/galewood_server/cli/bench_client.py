@@ -14,12 +14,12 @@ import select
 import socket
 import sys
 import time
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from galewood.constants import WIRE_FRAME
 
-from galewood_server.stream import unpack_msgpack, wire
+from galewood_server.stream import wire
 
 BYTES_PER_TREE = 256
 _HANDSHAKE = (
@@ -123,9 +123,10 @@ class Listener:
     def _take(self, opcode: int, start: int, length: int, now_s: float) -> None:
         if opcode == 9:
             self.link.send(masked(bytes(self._view[start : start + length]), 10))
-        elif opcode == 2 and self._buffer[start + 3] == WIRE_FRAME:
-            end = start + 8 + int.from_bytes(self._buffer[start + 4 : start + 8], "little")
-            header = cast(dict[str, Any], unpack_msgpack(self._view[start + 8 : end]))
+        elif opcode == 2:
+            kind, header, _ = wire.decode_message(self._view[start : start + length])
+            if kind != WIRE_FRAME:
+                return
             self.ages_s.append(now_s - header["made_s"])
             self.keys += header["base"] is None
             self.base_mismatches += header["base"] not in (None, self.tick)

@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import Any, Self
 
 import httpx
-from galewood.mesh import mesh_with_companions
+from galewood.formats import mesh_with_companions
 from galewood.table import decode, encode
 from httpx_sse import connect_sse
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosedError
 
-from galewood_server.stream import Failure, Forest, Hello, Reply, decode_reply, encode_request
+from galewood_server.stream import wire
 
 END_STATES = ("done", "failed", "cancelled")
 READ_TIMEOUT_S = 60.0  # the server sends a ping at least every 15 s
@@ -172,8 +172,8 @@ def _check(answer: httpx.Response) -> None:
     raise ServiceError(answer.status_code, problem.get("code", ""), title, problem.get("hint", ""))
 
 
-async def stream(url: str, forest: Forest, name: str = "galewood client") -> AsyncIterator[Reply]:
-    """Yield the server's messages about a forest (stream/wire.py) until the caller stops.
+async def stream(url: str, forest: wire.Forest, name: str = "galewood client") -> AsyncIterator[wire.Reply]:
+    """Yield the server's messages about a forest (stream/wire) until the caller stops.
 
     `url` is the server's, as for Client. Ends after a Failure. ConnectionClosedError if the socket breaks.
     """
@@ -181,14 +181,14 @@ async def stream(url: str, forest: Forest, name: str = "galewood client") -> Asy
     if forest.share is not None:  # by which a proxy finds the server of this forest
         address += f"?share={forest.share}"
     async with connect(address, max_size=None, compression=None) as socket:
-        for request in (Hello(name), forest):
-            await socket.send(encode_request(request))
-        reply: Reply | None = None
+        for request in (wire.Hello(name), forest):
+            await socket.send(wire.encode_request(request))
+        reply: wire.Reply | None = None
         try:
             async for message in socket:
                 if isinstance(message, bytes):
-                    reply = decode_reply(message)
+                    reply = wire.decode_reply(message)
                     yield reply
         except ConnectionClosedError:
-            if not isinstance(reply, Failure):  # the Failure has the reason
+            if not isinstance(reply, wire.Failure):  # the Failure has the reason
                 raise

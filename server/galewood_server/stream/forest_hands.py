@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from galewood.constants import MOST_PULLS_OF_FOREST
 
-from galewood_server.stream.wire_pull import Pull, Vector
+from galewood_server.stream.wire import Pull, Vector
 
 ZERO_FORCE: Vector = (0.0, 0.0, 0.0)
 

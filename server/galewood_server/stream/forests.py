@@ -22,8 +22,8 @@ from galewood_server.stream.tree_budget import EDDIES_WORK, WIND_WORK, TreeBudge
 from galewood_server.stream.wire import Forest
 
 if TYPE_CHECKING:
+    from galewood.motion.wind import Wind, WindState
     from galewood.table import Compliance, Table
-    from galewood.wind import Wind, WindState
 
     from galewood_server.stream.forest import ForestStepper
 

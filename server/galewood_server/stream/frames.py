@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from galewood_server.stream.socket_protocol import binary_frame
-from galewood_server.stream.wire_frame import Frame, Poses, Rows, encode_frame
+from galewood_server.stream.wire import Frame, Poses, Rows, encode_frame
 
 KEPT_TICKS = 8
 """Number of stored ticks: clients at a quarter of the frame rate still receive differences."""

@@ -25,8 +25,8 @@ from galewood_server.stream.wire import (
 )
 
 if TYPE_CHECKING:
+    from galewood.motion.wind import Wind
     from galewood.table import Compliance, Table
-    from galewood.wind import Wind
 
     from galewood_server.stream.forest import ForestClock, ForestStepper
 

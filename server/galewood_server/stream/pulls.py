@@ -12,8 +12,7 @@ from galewood.player import DragConstraint, PullError, WindDrivenTrees, point_re
 from galewood.table import Compliance, Table
 
 from galewood_server.stream.forest_hands import ZERO_FORCE
-from galewood_server.stream.wire_forest import Trees
-from galewood_server.stream.wire_pull import Pull, Pulling, Vector
+from galewood_server.stream.wire import Pull, Pulling, Trees, Vector
 
 log = logging.getLogger("galewood.stream")
 

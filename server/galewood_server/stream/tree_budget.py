@@ -9,7 +9,7 @@ import asyncio
 import time
 
 from galewood_server.stream.session_error import TRY_AGAIN_LATER, SessionError
-from galewood_server.stream.wire_forest import Forest
+from galewood_server.stream.wire import Forest
 
 GROUP_WORK, TABLE_WORK, WIND_WORK, EDDIES_WORK = 100, 500, 2_000, 20_000
 """What else a request costs, in trees: a group, a table that is sent, other gusts, other eddies.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from galewood.wind import Wind, parse_wind_or_state
+from galewood.motion.wind import Wind, parse_wind_or_state
 
-from galewood_server.stream.wire_forest import Forest, Group
+from galewood_server.stream.wire import Forest, Group
 
 
 def warm_up(table: bytes) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from galewood.constants import FOREST_OPTIONS, MOST_ABOUT_ENTRIES, WIRE_FOREST, WIRE_SHARED
 
-from galewood_server.stream.envelope import (
+from galewood_server.stream.wire.envelope import (
     Header,
     WireError,
     boolean,

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from galewood.constants import WIRE_FRAME
 
-from galewood_server.stream.envelope import (
+from galewood_server.stream.wire.envelope import (
     Header,
     WireError,
     check_fields,

@@ -16,7 +16,7 @@ from galewood.constants import (
     WIRE_RELEASE,
 )
 
-from galewood_server.stream.envelope import (
+from galewood_server.stream.wire.envelope import (
     Header,
     WireError,
     check_fields,

@@ -1,9 +1,4 @@
-"""The wire protocol of /ws/forest, version 1: specified in spec/formats/wire.md.
-
-Requests are sent by clients, replies by the server. envelope.py has the common message structure,
-wire_forest.py and wire_frame.py the messages with numeric payloads. Decoders validate all fields, so that
-later code need not check them.
-"""
+"""The messages of clients (requests) and of the server (replies), and which of them is which."""
 
 from __future__ import annotations
 
@@ -33,7 +28,7 @@ from galewood.constants import (
     WIRE_WIND_STATE,
 )
 
-from galewood_server.stream.envelope import (
+from galewood_server.stream.wire.envelope import (
     Header,
     WireError,
     boolean,
@@ -45,19 +40,16 @@ from galewood_server.stream.envelope import (
     text_map,
     whole_number,
 )
-from galewood_server.stream.wire_forest import Forest as Forest
-from galewood_server.stream.wire_forest import Group as Group
-from galewood_server.stream.wire_forest import Method as Method
-from galewood_server.stream.wire_forest import Shared as Shared
-from galewood_server.stream.wire_forest import (
+from galewood_server.stream.wire.forest import (
+    Forest,
+    Shared,
     decode_forest,
     decode_shared,
     encode_forest,
     encode_shared,
-    is_share,
 )
-from galewood_server.stream.wire_frame import Frame, Poses, Rows, decode_frame, encode_frame
-from galewood_server.stream.wire_pull import (
+from galewood_server.stream.wire.frame import Frame, decode_frame, encode_frame
+from galewood_server.stream.wire.pull import (
     Gust,
     Pull,
     Pulls,
@@ -71,42 +63,6 @@ from galewood_server.stream.wire_pull import (
     encode_pulls,
     encode_release,
 )
-from galewood_server.stream.wire_pull import Pulling as Pulling
-
-__all__ = [
-    "Clock",
-    "Failure",
-    "Forest",
-    "Frame",
-    "Group",
-    "Gust",
-    "Hello",
-    "Method",
-    "Pause",
-    "Ping",
-    "Pong",
-    "Poses",
-    "Presence",
-    "Pull",
-    "Pulling",
-    "Pulls",
-    "Release",
-    "Reply",
-    "Request",
-    "Resync",
-    "Rows",
-    "Shared",
-    "TableChunk",
-    "Welcome",
-    "WindChange",
-    "WindState",
-    "decode_reply",
-    "decode_request",
-    "encode_reply",
-    "encode_request",
-    "is_share",
-]
-
 
 # ---- client to server ------------------------------------------------------------------------------
 

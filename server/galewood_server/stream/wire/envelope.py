@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import msgpack
 from galewood.constants import WIRE_MAGIC, WIRE_MAX_HEADER_BYTES, WIRE_PREFIX_BYTES, WIRE_VERSION
@@ -17,6 +17,7 @@ MAGIC = WIRE_MAGIC.encode()
 MAX_TEXT_BYTES = 32 * 1024
 
 Header = dict[str, Any]
+Bytes = TypeVar("Bytes", bytes, memoryview)
 # msgpack has no complete type information
 _packb = cast(Callable[..., object], getattr(msgpack, "packb"))  # noqa: B009
 _unpackb = cast(Callable[..., object], getattr(msgpack, "unpackb"))  # noqa: B009
@@ -47,7 +48,7 @@ def encode_message(kind: int, header: Header, payload: bytes = b"") -> bytes:
     return prefix + packed + bytes(-len(packed) % 8) + payload
 
 
-def decode_message(data: bytes) -> tuple[int, Header, bytes]:
+def decode_message(data: Bytes) -> tuple[int, Header, Bytes]:
     """Decode a message to its kind, header and payload. WireError."""
     if len(data) < WIRE_PREFIX_BYTES or data[:2] != MAGIC:
         raise WireError("not a Galewood message: it must begin with the bytes 'GW'")
@@ -64,7 +65,7 @@ def decode_message(data: bytes) -> tuple[int, Header, bytes]:
     return data[3], _unpack(data[WIRE_PREFIX_BYTES : WIRE_PREFIX_BYTES + length]), data[start:]
 
 
-def _unpack(packed: bytes) -> Header:
+def _unpack(packed: bytes | memoryview) -> Header:
     try:
         header = unpack_msgpack(packed)
     except (ValueError, TypeError, RecursionError, msgpack.UnpackException) as error:
