@@ -80,7 +80,7 @@ await write(Object.fromEntries(blocks.map((name) => [name, name])), {
 });
 await write({ "galewood.client.worker": "clientWorker" });
 // A notebook's widget is one file, with three.js and the worker.
-const widget = await rolldown({ ...options([inOne]), input: { widget: source("notebook") } });
+const widget = await rolldown({ ...options([inOne]), input: { widget: source("notebook/widget") } });
 await widget.write({ ...output, dir: join(DIST, "notebook") });
 await widget.close();
 // The licences of what is inside these files.

@@ -7,8 +7,8 @@
  * - `wind`: a preset (still, breeze, autumn-gusts, storm-front), or a wind document.
  */
 import { PRESETS, parseWindText, type WindDocument } from "./core";
-import { places, Stage } from "./stage";
 import { Forest, servedTrees } from "./three";
+import { places, Stage } from "./three/stage";
 
 const MOST_TREES = 500;
 

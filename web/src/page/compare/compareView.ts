@@ -4,6 +4,7 @@ import type { TableMotion } from "galewood/client";
 import type { Method } from "galewood/motion";
 import type { TreeModel } from "galewood/trees";
 import type { WindState } from "galewood/wind";
+import { MAX_FRAME_S } from "../forest/frameStatistics";
 import { stiffnessInWords } from "../physics/physics";
 import { Problem, type Tree } from "../server/api";
 import { reportOf } from "../server/reports";
@@ -241,7 +242,7 @@ export class CompareView {
 
   private play(now_ms: number): void {
     this.frame = requestAnimationFrame((now) => this.play(now));
-    const passed_s = Math.min(0.25, (now_ms - this.last_ms) / 1000);
+    const passed_s = Math.min(MAX_FRAME_S, (now_ms - this.last_ms) / 1000);
     this.last_ms = now_ms;
     const { tracks } = this;
     if (tracks) {

@@ -1,5 +1,5 @@
 /** The first hint, shown once to every visitor until the first action. */
-import { element } from "../ui/dom";
+import { element, PHONE_PAGE } from "../ui/dom";
 
 const STORAGE_KEY = "galewood.hint";
 const WIDE_HINT = "Drag the arrow. Click a tree.";
@@ -20,7 +20,7 @@ function seen(shelf: () => Shelf): boolean {
 export function showHint(shelf: () => Shelf): void {
   if (seen(shelf)) return;
   const hint = element("hint");
-  hint.textContent = matchMedia("(max-width: 760px)").matches ? PHONE_HINT : WIDE_HINT;
+  hint.textContent = matchMedia(PHONE_PAGE).matches ? PHONE_HINT : WIDE_HINT;
   hint.hidden = false;
   const acted = new AbortController();
   const dismiss = () => {

@@ -1,12 +1,12 @@
 /** The panels that buttons open and close. Where they would not fit side by side, opening one closes the others. */
-import { element } from "../ui/dom";
+import { element, PHONE_PAGE } from "../ui/dom";
 
 const NAMES = ["instruments", "tools", "panel"] as const;
 type Name = (typeof NAMES)[number];
 
 /** Narrow pages show tools or settings, phones also the instruments instead of them. */
-const NARROW_PAGE = matchMedia("(max-width: 1099px)");
-const PHONE_PAGE = matchMedia("(max-width: 760px)");
+const narrow = matchMedia("(max-width: 1099px)");
+const phone = matchMedia(PHONE_PAGE);
 
 const toggleOf = (name: Name) => element<HTMLButtonElement>(`${name}-toggle`);
 
@@ -17,17 +17,17 @@ function show(name: Name, visible: boolean): void {
 
 /** Closes what has no room beside an open panel. */
 function makeRoomFor(name: Name): void {
-  const rivals = NAMES.filter((other) => other !== name && (PHONE_PAGE.matches || other !== "instruments"));
-  if (NARROW_PAGE.matches && (PHONE_PAGE.matches || name !== "instruments"))
+  const rivals = NAMES.filter((other) => other !== name && (phone.matches || other !== "instruments"));
+  if (narrow.matches && (phone.matches || name !== "instruments"))
     for (const other of rivals) show(other, false);
 }
 
 /** The wide page always shows its toolbar. */
 function fitPanels(): void {
-  if (!NARROW_PAGE.matches) show("tools", true);
+  if (!narrow.matches) show("tools", true);
   const open = NAMES.filter((name) => !element(name).hidden);
-  if (NARROW_PAGE.matches && open.includes("tools")) show("tools", false);
-  if (PHONE_PAGE.matches) for (const name of open.slice(1)) show(name, false);
+  if (narrow.matches && open.includes("tools")) show("tools", false);
+  if (phone.matches) for (const name of open.slice(1)) show(name, false);
 }
 
 /** Connects the panels with their buttons. */
@@ -40,8 +40,8 @@ export function connectSheets(instruments: boolean): void {
     });
   }
   show("panel", false);
-  show("instruments", instruments && !PHONE_PAGE.matches);
+  show("instruments", instruments && !phone.matches);
   show("tools", true);
   fitPanels();
-  for (const width of [NARROW_PAGE, PHONE_PAGE]) width.addEventListener("change", fitPanels);
+  for (const width of [narrow, phone]) width.addEventListener("change", fitPanels);
 }

@@ -20,6 +20,7 @@ import { foreignPlacement } from "../settings/sharedForest";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { showToast } from "../ui/toast";
+import { MAX_FRAME_S } from "./frameStatistics";
 
 type Buffers = Float32Array<ArrayBuffer>[];
 
@@ -37,8 +38,6 @@ export interface ClientGroup extends Omit<GroupPlan, "table"> {
 
 const NO_CONNECTION: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
 const NO_WORK: Work = { wind_ms: 0, lookup_ms: 0, total_ms: 0 };
-/** Longer pauses, for example of a hidden tab, are skipped. */
-const MAX_STEP_S = 0.25;
 
 /** Starts the worker early, so that it loads while the page builds the scene. */
 function startWorker(): Worker {
@@ -171,7 +170,7 @@ export class ForestClient {
 
   /** Advances the forest by a display step, seen from a place (m). While the worker is busy, the time accumulates. */
   advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
-    this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
+    this.backlog_s = Math.min(MAX_FRAME_S, this.backlog_s + dt_s);
     if (this.busy || this.spare.length === 0) return;
     this.busy = true;
     const buffers = this.spare;

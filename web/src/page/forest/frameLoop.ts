@@ -1,14 +1,12 @@
 /** The frame loop: advances all that moves, draws the picture, and reports a few times per second. */
 
 import type { Store } from "../store/store";
-import { type FrameStatistics, isFrameDue } from "./frameStatistics";
+import { type FrameStatistics, isFrameDue, MAX_FRAME_S } from "./frameStatistics";
 import type { World } from "./world";
 
 const REPORT_EVERY_MS = 250;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
-/** Longer pauses, for example of a hidden tab, are skipped. */
-const MAX_FRAME_S = 0.25;
 
 /** One picture of the forest. */
 export interface Frame {

@@ -14,6 +14,8 @@ export interface Statistics {
   frameAge: string;
 }
 
+/** Longer pauses, for example of a hidden tab, are skipped. */
+export const MAX_FRAME_S = 0.25;
 const NEWEST_SHARE = 0.08;
 /** Displays refresh a little early or late; a limited frame may come this much early. */
 const EARLY_MS = 1;

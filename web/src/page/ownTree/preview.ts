@@ -12,14 +12,13 @@ import {
   Vector2,
 } from "three";
 import { PreviewStage } from "../../scene/previewStage";
+import { isClick } from "../ui/dom";
 import { rowsOfVertices } from "./pieces";
 
 const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
 const TURN_RAD_S = 0.35;
 const DIM_FACTOR = 0.3;
 const BRIGHT_FACTOR = 1.8;
-/** A press that moves farther turns the camera. */
-const CLICK_PX = 5;
 
 type PreviewMesh = Mesh<BufferGeometry, MeshLambertMaterial>;
 
@@ -37,13 +36,12 @@ export class Preview {
   constructor(canvas: HTMLCanvasElement, picked: (row: number) => void) {
     this.stage = new PreviewStage(canvas);
     const { signal } = this.life;
-    let from: [number, number] | null = null;
-    canvas.addEventListener("pointerdown", (event) => (from = [event.clientX, event.clientY]), { signal });
+    let pressed: { x: number; y: number } | null = null;
+    canvas.addEventListener("pointerdown", ({ clientX: x, clientY: y }) => (pressed = { x, y }), { signal });
     canvas.addEventListener(
       "pointerup",
       (event) => {
-        if (!from || this.hidden || Math.hypot(event.clientX - from[0], event.clientY - from[1]) > CLICK_PX)
-          return;
+        if (!pressed || this.hidden || !isClick(pressed, event)) return; // the camera was turned
         const row = this.rowAt(canvas, event);
         if (row !== null) picked(row);
       },

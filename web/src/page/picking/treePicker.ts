@@ -8,6 +8,7 @@ import { PickRing } from "../../scene/overlays/pickRing";
 import type { Frame } from "../forest/frameLoop";
 import type { World } from "../forest/world";
 import type { Store } from "../store/store";
+import { isClick } from "../ui/dom";
 
 /** Current figures of the picked tree. */
 export interface PickedFigures extends PickedTree {
@@ -19,8 +20,6 @@ export interface PickedFigures extends PickedTree {
   readonly record: number | null;
 }
 
-/** Pointer movement below which a press counts as a click. */
-const CLICK_PX = 6;
 const RING_SHARE = 0.55;
 const AIM_SHARE = 0.6;
 /** Time (s) in which the camera covers three quarters of the distance to the tree. */
@@ -60,8 +59,7 @@ export class TreePicker {
   private release(event: PointerEvent): void {
     const { pressed } = this;
     this.pressed = null;
-    if (!pressed || !event.isPrimary) return;
-    if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_PX) return;
+    if (!pressed || !event.isPrimary || !isClick(pressed, event)) return;
     const picked = this.world.pick(event.clientX, event.clientY);
     this.select(picked);
     const ground = picked ? null : this.world.groundAt(event.clientX, event.clientY);

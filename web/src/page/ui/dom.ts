@@ -30,5 +30,15 @@ export function write(place: HTMLElement, words: string): void {
   if (place.textContent !== words) place.textContent = words;
 }
 
+/** The width at which layout.css moves the panels to the bottom of the page, as on a phone. */
+export const PHONE_PAGE = "(max-width: 760px)";
+
+/** Pointer movement up to which a press counts as a click. */
+const CLICK_PX = 6;
+
+/** Whether a pointer is released where it was pressed. */
+export const isClick = (pressed: { x: number; y: number }, released: PointerEvent): boolean =>
+  Math.hypot(released.clientX - pressed.x, released.clientY - pressed.y) <= CLICK_PX;
+
 /** Whether the visitor's system asks for little motion. */
 export const prefersCalm = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -9,12 +9,10 @@ import type { Frame } from "../../forest/frameLoop";
 import type { World } from "../../forest/world";
 import type { TreePicker } from "../../picking/treePicker";
 import type { Store } from "../../store/store";
-import { element } from "../dom";
+import { element, isClick, PHONE_PAGE } from "../dom";
 import { dialTurn_deg } from "./dial";
 import { Instruments } from "./instruments";
 
-/** Pointer movement below which a press counts as a click. */
-const CLICK_PX = 6;
 const COVERAGE_EVERY_MS = 500;
 
 export class WindStudio {
@@ -51,13 +49,12 @@ export class WindStudio {
     this.store.state.placing = active;
     this.world.canvas.style.cursor = active ? "crosshair" : "";
     // On a phone the instruments cover the ground that has to be tapped.
-    if (active && matchMedia("(max-width: 760px)").matches) element("instruments-toggle").click();
+    if (active && matchMedia(PHONE_PAGE).matches) element("instruments-toggle").click();
   }
 
   private release(event: PointerEvent): void {
     const { pressed } = this;
-    if (!this.store.state.placing || !pressed) return;
-    if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_PX) return;
+    if (!this.store.state.placing || !pressed || !isClick(pressed, event)) return;
     const place = this.world.groundAt(event.clientX, event.clientY);
     if (place) this.placeAnemometer(place.x, place.z);
   }

@@ -14,7 +14,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Forest } from "./three/forest";
+import type { Forest } from "./forest";
 
 const SPACING_M = 5;
 /** Turns each tree on by the golden angle, which also spreads them evenly. */

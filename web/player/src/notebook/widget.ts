@@ -1,9 +1,9 @@
 /** The front end of a notebook's widget (anywidget): a small forest below a cell. Everything it needs is in its one file. */
 
 import workerSource from "virtual:worker";
-import { parseWind, type WindDocument } from "./core/wind/wind";
-import { places, Stage } from "./stage";
-import { Forest } from "./three/forest";
+import { parseWind, type WindDocument } from "../core/wind/wind";
+import { Forest } from "../three/forest";
+import { places, Stage } from "../three/stage";
 import { WindControls } from "./windControls";
 
 /** The part of anywidget's model that is needed; precompute/galewood/notebook/widget.py is its other side. */

@@ -1,5 +1,5 @@
 /** Controls of a wind below a picture: a preset, its mean speed and where it blows to. */
-import { PRESETS, type PresetName, type WindDocument } from "./core/wind/wind";
+import { PRESETS, type PresetName, type WindDocument } from "../core/wind/wind";
 
 const NAMES: Readonly<Record<PresetName, string>> = {
   still: "Still air",
