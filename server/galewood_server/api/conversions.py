@@ -11,10 +11,8 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
 from galewood.constants import INVENTORY_VERSION
-from galewood.conversion import convert_limited
-from galewood.inventory import InventoryReport, Stem
+from galewood.measurements import InventoryReport, MeasurementReport, Stem, convert_limited
 from galewood.util import write_atomically
-from galewood.wind import MeasurementReport
 from pydantic import BaseModel
 
 from galewood_server.api.health import VERSION

@@ -12,9 +12,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
-from galewood.export import EXPORT_REVISION, ExportKind, ExportOptions, TextureFormat
+from galewood.io.export import EXPORT_REVISION, ExportKind, ExportOptions, TextureFormat
+from galewood.motion.wind import PRESETS, Wind, parse_wind
 from galewood.util import write_atomically
-from galewood.wind import PRESETS, Wind, parse_wind
 from pydantic import BaseModel, ConfigDict, Field
 
 from galewood_server.api.analyses.common import computed_tree
@@ -108,7 +108,7 @@ def _key(source: _Source, kind: str, options: ExportOptions) -> str:
 
 
 def _export(service: Service, source: _Source, kind: str, options: ExportOptions, target: Path) -> None:
-    from galewood.export import export_limited  # loads what a build needs
+    from galewood.io.export import export_limited  # loads what a build needs
 
     stores = service.stores
     table, mesh = stores.tables.get(source.table_sha256), stores.meshes.get(source.mesh_sha256)

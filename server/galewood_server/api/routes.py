@@ -11,22 +11,20 @@ from galewood_server.api import (
     health,
     jobs,
     metrics,
-    pieces,
-    revisions,
     socket,
     trees,
-    uploads,
     winds,
     wood_species,
 )
 from galewood_server.api.analyses import comparisons, evaluations
 from galewood_server.api.files import artefacts, job_pictures, structures, tables, thumbnails
+from galewood_server.api.uploads import pieces, revisions, upload
 from galewood_server.http import with_head_routes
 
 ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
-        uploads, trees, revisions, pieces, thumbnails, structures, exports, jobs, job_pictures, comparisons,
+        upload, trees, revisions, pieces, thumbnails, structures, exports, jobs, job_pictures, comparisons,
         evaluations, tables, artefacts, wood_species, winds, conversions, events, socket, health, metrics,
     )
 )  # fmt: skip

@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from fastapi import APIRouter, Request
-from galewood.wind import parse_wind
+from galewood.motion.wind import parse_wind
 from pydantic import BaseModel
 
 from galewood_server.http import ProblemError, problems, read_body

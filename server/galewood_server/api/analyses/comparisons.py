@@ -6,7 +6,7 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
-from galewood.wind import parse_wind_or_state
+from galewood.motion.wind import parse_wind_or_state
 from pydantic import BaseModel, ConfigDict, Field
 from sse_starlette import EventSourceResponse
 

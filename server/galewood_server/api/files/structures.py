@@ -70,7 +70,7 @@ def _tetrahedra(service: Service, tree_id: str) -> str:
 
 def _extract(kept: Path, target: Path) -> None:
     """Write the structure of a tree. ProblemError 404 if its tetrahedra are not here; MeshError."""
-    from galewood.skeleton import structure_limited  # loads the meshing packages
+    from galewood.solid.skeleton import structure_limited  # loads the meshing packages
 
     try:
         write_atomically(target, structure_limited(kept))

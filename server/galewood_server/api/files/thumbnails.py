@@ -47,6 +47,6 @@ def _mesh_of(service: Service, tree_id: str) -> str:
 
 
 def _draw(service: Service, sha256: str, target: Path) -> None:
-    from galewood.pictures import draw_limited
+    from galewood.pipeline.pictures import draw_limited
 
     write_atomically(target, draw_limited(service.stores.meshes.get(sha256)))

@@ -28,7 +28,7 @@ from galewood_server.jobs import queue_job
 from galewood_server.storage import Tree, new_id, readable_rows
 
 if TYPE_CHECKING:
-    from galewood.mesh import TreeMesh
+    from galewood.tree import TreeMesh
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 

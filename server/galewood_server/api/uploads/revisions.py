@@ -12,13 +12,13 @@ from galewood.options import ImportRequest
 
 from galewood_server.access import check_quota, count_stored
 from galewood_server.api.trees import find_tree, remove_unshared, tree_out
-from galewood_server.api.uploads import read_mesh
+from galewood_server.api.uploads.upload import read_mesh
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, TreeChanges, TreeOut, problems
 from galewood_server.storage import Tree
 
 if TYPE_CHECKING:
-    from galewood.mesh import TreeMesh
+    from galewood.tree import TreeMesh
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fastapi import APIRouter, Response
 
 from galewood_server.api.trees import find_tree
-from galewood_server.api.uploads import read_mesh, store_tree
+from galewood_server.api.uploads.upload import read_mesh, store_tree
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
     ProblemError,
@@ -73,8 +73,8 @@ def _upload(service: Service, tree_id: str) -> Upload:
 
 
 def _pieces(service: Service, upload: Upload) -> bytes:
-    from galewood.mesh import pieces_sandboxed  # loads the mesh libraries
     from galewood.sandbox import Limits
+    from galewood.tree import pieces_sandboxed
 
     settings = service.settings
     limits = Limits(settings.import_memory_bytes, settings.import_cpu_s, settings.import_wall_s)

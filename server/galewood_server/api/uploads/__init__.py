@@ -1,0 +1,1 @@
+"""Uploads over REST: a mesh becomes a tree, whose pieces can be chosen and import options changed."""
