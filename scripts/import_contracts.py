@@ -12,10 +12,11 @@ class PublicNamesContract(Contract):
     """A module of one package is imported by modules of that package only.
 
     Others import the names that the package's ``__init__`` lists in ``__all__``. A package is what lies
-    directly below a root package: ``galewood.fem``.
+    directly below a root package or a group of packages: ``galewood.table``, ``galewood.solid.fem``.
     """
 
     # import-linter replaces the field by the list read from the settings
+    groups: Any = fields.ListField(subfield=fields.StringField(), required=False, default=[])
     exceptions: Any = fields.ListField(subfield=fields.StringField(), required=False, default=[])
 
     def check(self, graph: ImportGraph, verbose: bool) -> ContractCheck:
@@ -29,15 +30,19 @@ class PublicNamesContract(Contract):
         return ContractCheck(kept=not violations, metadata={"violations": violations})
 
     def _reaches_inside(self, importer: str, imported: str) -> bool:
-        package = imported.split(".")[:2]
-        root = importer.split(".")[0]
-        inside = imported.count(".") >= 2 and imported.split(".")[0] in ("galewood", "galewood_server")
-        if not inside or imported in self.exceptions or root not in ("galewood", "galewood_server"):
+        package = self._package_of(imported)
+        ours = {name.split(".")[0] for name in (importer, imported)} <= {"galewood", "galewood_server"}
+        if not ours or imported in (package, *self.exceptions):
             return False
-        return importer.split(".")[:2] != package
+        return self._package_of(importer) != package
+
+    def _package_of(self, module: str) -> str:
+        """The package of a module; a group itself stands for what it holds."""
+        names = module.split(".")
+        return ".".join(names[: 3 if ".".join(names[:2]) in self.groups else 2])
 
     def render_broken_contract(self, check: ContractCheck) -> None:
         """Name every import that reaches inside another package."""
         for importer, imported in check.metadata["violations"]:
-            package = ".".join(imported.split(".")[:2])
+            package = self._package_of(imported)
             output.print_error(f"{importer} imports {imported}: import the name from {package}", bold=False)

@@ -32,7 +32,7 @@ def one_worker() -> Iterator[None]:
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(worker_pool, "usable_cores", lambda: 1)
-        patch.setattr("galewood.pipeline.build.WARM_MODULES", ())
+        patch.setattr("galewood.pipeline.stages.build.WARM_MODULES", ())
         yield
 
 

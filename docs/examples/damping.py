@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from galewood.field import pull_and_release, tree_of_file
+from galewood.check.field import pull_and_release, tree_of_file
 from galewood.options import BuildRequest
 from matplotlib.figure import Figure
 

@@ -17,7 +17,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from galewood.api import (
+    from galewood.check.evaluation import SourceError
+    from galewood.check.field import FieldError
+    from galewood.io.api import (
         Forest,
         Model,
         Motion,
@@ -33,16 +35,14 @@ if TYPE_CHECKING:
         read,
         save,
     )
-    from galewood.evaluation import SourceError
-    from galewood.export import ExportError
-    from galewood.fem import FemSettings
-    from galewood.field import FieldError
-    from galewood.notebook import NotebookError, show
+    from galewood.io.export import ExportError
+    from galewood.io.notebook import NotebookError, show
+    from galewood.motion.wind import PRESETS, Wind, WindError
     from galewood.options import BuildRequest, ImportRequest, TableRequest
-    from galewood.pipeline import Progress
+    from galewood.pipeline.stages import Progress
+    from galewood.solid.fem import FemSettings
     from galewood.table import TableError
     from galewood.util import Cancelled, MeshError
-    from galewood.wind import PRESETS, Wind, WindError
     from galewood.wood import SPECIES, Wood, WoodError
 
 __all__ = [
@@ -83,36 +83,36 @@ __all__ = [
 
 # Loaded on first use, so that importing a single sub-package stays fast.
 _HOMES = {
-    "Forest": "api",
-    "Model": "api",
-    "Motion": "api",
-    "MotionTable": "api",
-    "Placements": "api",
-    "Tree": "api",
-    "build": "api",
-    "evaluate": "api",
-    "export_tree": "api",
-    "field_report": "api",
-    "grid": "api",
-    "load": "api",
-    "read": "api",
-    "save": "api",
-    "Progress": "pipeline",
-    "SourceError": "evaluation",
-    "ExportError": "export",
-    "FemSettings": "fem",
-    "FieldError": "field",
-    "NotebookError": "notebook",
-    "show": "notebook",
+    "Forest": "io.api",
+    "Model": "io.api",
+    "Motion": "io.api",
+    "MotionTable": "io.api",
+    "Placements": "io.api",
+    "Tree": "io.api",
+    "build": "io.api",
+    "evaluate": "io.api",
+    "export_tree": "io.api",
+    "field_report": "io.api",
+    "grid": "io.api",
+    "load": "io.api",
+    "read": "io.api",
+    "save": "io.api",
+    "Progress": "pipeline.stages",
+    "SourceError": "check.evaluation",
+    "ExportError": "io.export",
+    "FemSettings": "solid.fem",
+    "FieldError": "check.field",
+    "NotebookError": "io.notebook",
+    "show": "io.notebook",
     "BuildRequest": "options",
     "ImportRequest": "options",
     "TableRequest": "options",
     "TableError": "table",
     "Cancelled": "util",
     "MeshError": "util",
-    "PRESETS": "wind",
-    "Wind": "wind",
-    "WindError": "wind",
+    "PRESETS": "motion.wind",
+    "Wind": "motion.wind",
+    "WindError": "motion.wind",
     "SPECIES": "wood",
     "Wood": "wood",
     "WoodError": "wood",

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from galewood import constants as spec
-from galewood.modal import drag_inputs, force_terms, shape_terms
-from galewood.wind.document import FIELDS
+from galewood.motion.modal import drag_inputs, force_terms, shape_terms
+from galewood.motion.wind.document import FIELDS
 from galewood_server.stream.forest import STREAM_ERROR_M
 
 SPEC = Path(__file__).parents[2] / "spec"

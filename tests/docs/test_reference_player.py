@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.motion.wind import Wind, WindField, parse_wind
 from galewood.player import WindDrivenTrees
 from galewood.table import Table, decode
 from galewood.util import Floats
-from galewood.wind import Wind, WindField, parse_wind
 from galewood_server.stream.forest import GroupStepper
 
 from tests.golden import GOLDEN_FOLDER

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
-from galewood.fem import Drag
-from galewood.reduction.oscillators import Exposure, Oscillators
+from galewood.pipeline.reduction.oscillators import Exposure, Oscillators
+from galewood.solid.fem import Drag
 from galewood.util import Array
 
 

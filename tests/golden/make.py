@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
-from galewood.fem.model import FemSettings
-from galewood.pipeline.assemble import RenderMesh, TableContext, TableSettings, assemble_table
+from galewood.motion.wind.evaluation import Wind, wind_pressure
+from galewood.pipeline.reduction.training import ModalTraining, Size
+from galewood.pipeline.sampling import training_shapes
+from galewood.pipeline.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
+from galewood.pipeline.stages.assemble import RenderMesh, TableContext, TableSettings, assemble_table
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
-from galewood.reduction.training import ModalTraining, Size
-from galewood.sampling import training_shapes
-from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
-from galewood.skinning import Axis, Bindings
+from galewood.solid.fem.model import FemSettings
+from galewood.solid.skinning import Axis, Bindings
 from galewood.table.format import Table, encode
 from galewood.table.records import encode_records
-from galewood.wind.evaluation import Wind, wind_pressure
 from scipy.sparse import csr_matrix
 
 from tests.golden import GOLDEN_FOLDER

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import numpy as np
-from galewood.skinning import drawn_positions
+from galewood.solid.skinning import drawn_positions
 from galewood.table import decode
 
 from tests.golden import GOLDEN_FOLDER

@@ -10,9 +10,9 @@ import json
 from typing import Any
 
 import numpy as np
+from galewood.motion.wind import Wind, WindField, crown_carried, crown_field, write_gusts
 from galewood.player import WindDrivenTrees
 from galewood.table import Table, decode
-from galewood.wind import Wind, WindField, crown_carried, crown_field, write_gusts
 
 from tests.golden import GOLDEN_FOLDER
 from tests.golden.make_walks import TREES

@@ -9,7 +9,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
-from galewood.modal import force_terms, shape_terms
+from galewood.motion.modal import force_terms, shape_terms
 from galewood.table import Table, decode, encode
 
 from tests.golden import GOLDEN_FOLDER

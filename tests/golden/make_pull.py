@@ -10,8 +10,8 @@ import json
 from typing import Any
 
 import numpy as np
-from galewood.fem import TangentFactor
 from galewood.player import DragConstraint, point_response
+from galewood.solid.fem import TangentFactor
 from galewood.table import Compliance, Table, decode, decode_compliance, encode_compliance
 
 from tests.golden import GOLDEN_FOLDER

@@ -6,7 +6,7 @@
 from pathlib import Path
 
 import numpy as np
-from galewood.verify.specimens import TARGETS, cached_mesher, read_tree
+from galewood.check.verify.specimens import TARGETS, cached_mesher, read_tree
 
 HERE = Path(__file__).parent
 SPECIES = HERE.parents[1] / "assets" / "species"

@@ -11,10 +11,10 @@ import json
 from typing import Any
 
 import numpy as np
+from galewood.motion.wind.evaluation import Wind, WindField
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.table.format import Table, decode
-from galewood.wind.evaluation import Wind, WindField
 
 from tests.golden import GOLDEN_FOLDER
 

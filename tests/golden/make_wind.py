@@ -11,11 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from galewood.wind import with_front
-from galewood.wind.evaluation import PRESETS, Wave, Wind, WindError, WindField, paper_wind, parse_wind
-from galewood.wind.models.navier_stokes import Eddies
-from galewood.wind.recording import quantised
-from galewood.wind.schema import wind_schema
+from galewood.motion.wind import with_front
+from galewood.motion.wind.evaluation import PRESETS, Wave, Wind, WindError, WindField, paper_wind, parse_wind
+from galewood.motion.wind.models.navier_stokes import Eddies
+from galewood.motion.wind.recording import quantised
+from galewood.motion.wind.schema import wind_schema
 
 from tests.golden import GOLDEN_FOLDER
 

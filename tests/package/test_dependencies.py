@@ -26,7 +26,7 @@ NEVER_IMPORTED = {"pyvista": "pytetwild imports it but declares it as an extra"}
 # compiled modules without any Python file, which importlib.metadata does not attribute before Python 3.12
 COMPILED = {"OpenEXR": ["openexr"]}
 # files that are loaded only where an extra is installed
-OF_EXTRAS = {"precompute/galewood/notebook/widget.py": "notebook"}
+OF_EXTRAS = {"precompute/galewood/io/notebook/widget.py": "notebook"}
 BUILD_TOOLS = {"setuptools", "wheel"}
 IMPORTING_CALLS = {"import_module", "find_spec"}
 LICENCES = re.compile("BSD|MIT|Apache|ISC|PSF-2.0|Python Software Foundation|MPL|LGPL-3.0-only")

@@ -14,8 +14,8 @@ REPOSITORY = Path(__file__).parents[2]
 LINT_IMPORTS = Path(sys.executable).with_name("lint-imports")
 PLANTED = {
     "upward import in the library": (
-        "precompute/galewood/fem/solver.py",
-        "from galewood.pipeline import BuildOptions",
+        "precompute/galewood/solid/fem/solver.py",
+        "from galewood.pipeline.stages import BuildOptions",
         "The library's packages import downwards only",
     ),
     "upward import in the service": (
@@ -39,7 +39,7 @@ PLANTED = {
         "The library knows no server, HTTP or database",
     ),
     "a database in the library": (
-        "precompute/galewood/api/tables.py",
+        "precompute/galewood/io/api/tables.py",
         "import sqlalchemy",
         "The library knows no server, HTTP or database",
     ),
@@ -49,13 +49,13 @@ PLANTED = {
         "Only galewood_server.jobs imports Dask",
     ),
     "a cycle": (
-        "precompute/galewood/fem/rotation.py",
-        "from galewood.fem.dynamics import Simulator",
+        "precompute/galewood/solid/fem/elements/rotation.py",
+        "from galewood.solid.fem.dynamics import Simulator",
         "No import cycles between modules",
     ),
     "a module of another package": (
-        "precompute/galewood/pipeline/report.py",
-        "from galewood.fem.solver import NotPositiveDefinite",
+        "precompute/galewood/pipeline/stages/report.py",
+        "from galewood.solid.fem.solver import NotPositiveDefinite",
         "Other packages import a package's public names",
     ),
 }

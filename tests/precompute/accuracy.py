@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from galewood.evaluation.evaluate import METHODS, compare, play_pressures, reference_tasks
-from galewood.evaluation.measures import errors, windows
-from galewood.evaluation.reference_runs import read_reference_run, run_references
-from galewood.evaluation.source import Source, source_of
-from galewood.evaluation.winds import unseen_winds
-from galewood.pipeline.build import build_table
-from galewood.pipeline.options import BuildOptions
+from galewood.check.evaluation.evaluate import METHODS, compare, play_pressures, reference_tasks
+from galewood.check.evaluation.measures import errors, windows
+from galewood.check.evaluation.reference_runs import read_reference_run, run_references
+from galewood.check.evaluation.source import Source, source_of
+from galewood.check.evaluation.winds import unseen_winds
+from galewood.pipeline.stages.build import build_table
+from galewood.pipeline.stages.options import BuildOptions
 from galewood.table.format import Table, decode
 
 SPECIES = Path(__file__).parents[2] / "assets" / "species"

@@ -4,10 +4,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from galewood.mesh.types import TreeMesh
-from galewood.tets.meshing import TetMesh
-from galewood.tets.quality import tet_volumes
-from galewood.verify.specimens import Specimen, read_tree, specimen
+from galewood.check.verify.specimens import Specimen, read_tree, specimen
+from galewood.solid.tets.meshing import TetMesh
+from galewood.solid.tets.quality import tet_volumes
+from galewood.tree.types import TreeMesh
 
 ROOT = Path(__file__).parents[2]
 SPECIES = ROOT / "assets" / "species"

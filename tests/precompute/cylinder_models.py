@@ -4,7 +4,7 @@ import io
 from dataclasses import replace
 
 import numpy as np
-from galewood.mesh.qsm.cylinders import Cylinders
+from galewood.formats.qsm.cylinders import Cylinders
 from scipy.io import savemat
 
 NONE = -1

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from galewood.mesh.repair import Surface
+from galewood.tree.repair import Surface
 
 AXES = {"y": (1, 1, 2, 1, 0, 1), "z": (2, 1, 1, -1, 0, 1)}  # up, front and right: axis and sign
 NAMES = ("UpAxis", "UpAxisSign", "FrontAxis", "FrontAxisSign", "CoordAxis", "CoordAxisSign")

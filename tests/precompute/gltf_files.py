@@ -8,7 +8,7 @@ from typing import Any
 import DracoPy
 import meshopt
 import numpy as np
-from galewood.mesh.repair import Surface
+from galewood.tree.repair import Surface
 from PIL import Image
 
 Json = dict[str, Any]

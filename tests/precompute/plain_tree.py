@@ -1,8 +1,8 @@
 """The tree that the tests of formats write in many ways, and what every one of them must give."""
 
 import numpy as np
-from galewood.mesh.importer import read_tree
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree
 
 from tests.precompute import tree_meshes as make
 

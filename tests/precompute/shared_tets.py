@@ -9,9 +9,9 @@ import os
 from pathlib import Path
 
 import pytest
-from galewood.mesh.importer import read_tree
 from galewood.options import ImportRequest
-from galewood.tets.meshing import cached_tetrahedra_path, tetrahedralise
+from galewood.solid.tets.meshing import cached_tetrahedra_path, tetrahedralise
+from galewood.tree.importer import read_tree
 
 from tests.precompute.tree_meshes import BRANCHES, Surface, cards, glb_bytes, y_tree
 

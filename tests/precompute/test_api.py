@@ -12,9 +12,9 @@ from typing import Any
 import galewood
 import numpy as np
 import pytest
+from galewood.motion.wind import WindField
 from galewood.player.modal_forest import ModalForest
 from galewood.table import encode
-from galewood.wind import WindField
 from pydantic import ValidationError
 
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.beams import Frame, frame_frequencies, frame_matrices, joined_frame
-from galewood.verify.beams import pole_frequencies
-from galewood.verify.specimens import read_frame
+from galewood.check.verify.beams import pole_frequencies
+from galewood.check.verify.specimens import read_frame
+from galewood.solid.beams import Frame, frame_frequencies, frame_matrices, joined_frame
 from galewood.wood.species import wood_of_species
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components

@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.bench import rivals
-from galewood.bench import tables as bench_tables
-from galewood.bench.fem import bench_fem, compared
-from galewood.bench.report import SENTENCES, sentences
-from galewood.bench.run import PARTS, chosen_parts
-from galewood.bench.tables import bench_forest, sizes
-from galewood.fem.model import FemModel, FemSettings
-from galewood.model.construction import build_model
+from galewood.check.bench import rivals
+from galewood.check.bench import tables as bench_tables
+from galewood.check.bench.fem import bench_fem, compared
+from galewood.check.bench.report import SENTENCES, sentences
+from galewood.check.bench.run import PARTS, chosen_parts
+from galewood.check.bench.tables import bench_forest, sizes
+from galewood.check.verify.bars import polygon_bar
+from galewood.solid.fem.model import FemModel, FemSettings
+from galewood.solid.model.construction import build_model
 from galewood.table.format import decode
 from galewood.util import Floats
-from galewood.verify.bars import polygon_bar
 from galewood.wood.species import wood_of_species
 
 from tests.golden import GOLDEN_FOLDER

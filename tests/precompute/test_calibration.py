@@ -5,14 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from galewood.fem.model import FemModel
-from galewood.fem.settings import Element, FemSettings
-from galewood.model.calibration import random_couples
-from galewood.model.construction import build_model
-from galewood.model.reference import compare_with_reference
-from galewood.verify.bars import Bar, polygon_bar
-from galewood.verify.beam_checks import POLE_WOOD, tip_under_force
-from galewood.verify.beams import pole_frequencies, tip_deflection
+from galewood.check.verify.bars import Bar, polygon_bar
+from galewood.check.verify.beam_checks import POLE_WOOD, tip_under_force
+from galewood.check.verify.beams import pole_frequencies, tip_deflection
+from galewood.solid.fem.model import FemModel
+from galewood.solid.fem.settings import Element, FemSettings
+from galewood.solid.model.calibration import random_couples
+from galewood.solid.model.construction import build_model
+from galewood.solid.model.reference import compare_with_reference
 
 SIDES = (3, 4, 6)
 

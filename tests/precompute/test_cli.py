@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from galewood.cli.commands import app
+from galewood.io.cli.commands import app
 from galewood.options import BuildRequest
 from galewood.util import MeshError
 from typer.testing import CliRunner
@@ -112,7 +112,7 @@ def test_all_trees_of_a_file_are_built_and_a_failure_stops_none(tmp_path: Path, 
         if request.tree == 2:
             raise MeshError("no-wood", "unsuitable", "No wood was found.", "Choose it.")
 
-    monkeypatch.setattr("galewood.cli.build_command._build_one", build_one)
+    monkeypatch.setattr("galewood.io.cli.build_command._build_one", build_one)
     command = ["build", str(mesh), "--out", str(tmp_path / "a.gwt"), "--all-trees", "--up-axis", "y"]
     result = CliRunner().invoke(app, command)
     assert built == [(1, "a-1.gwt"), (2, "a-2.gwt"), (3, "a-3.gwt")]

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import read_tree
 from galewood.sandbox import confinement, system_calls
 from galewood.sandbox.confinement import unavailable_restrictions
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
+from galewood.tree.importer import read_tree
 from PIL import Image
 
 from tests.precompute import confinement_probes, cylinder_models

@@ -6,11 +6,18 @@ import json
 from pathlib import Path
 
 import pytest
-from galewood.cli import app
-from galewood.conversion import UnknownContentError, convert_limited, read_data_file
-from galewood.inventory import Inventory, InventoryError, read_inventory
+from galewood.io.cli import app
+from galewood.measurements import (
+    Measurement,
+    MeasurementError,
+    UnknownContentError,
+    convert_limited,
+    read_data_file,
+    read_measurement,
+)
+from galewood.measurements.inventory import Inventory, InventoryError, read_inventory
+from galewood.motion.wind import parse_wind
 from galewood.util import MeshError
-from galewood.wind import Measurement, MeasurementError, parse_wind, read_measurement
 from typer.testing import CliRunner
 
 STAND = "x,y,species,height,dbh\n0,0,Bergahorn,12,30\n3,4,Foo bar,9,\n5,5,oak,,\n"

@@ -9,9 +9,9 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from galewood.pipeline.build import build_table
-from galewood.pipeline.options import BuildOptions
-from galewood.reduction import wind_scale
+from galewood.pipeline.reduction import wind_scale
+from galewood.pipeline.stages.build import build_table
+from galewood.pipeline.stages.options import BuildOptions
 from galewood.table.format import decode
 from galewood.util import MeshError
 

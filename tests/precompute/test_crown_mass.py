@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.mesh import TreeMesh
-from galewood.mesh.importer import read_tree
-from galewood.model import crown_mass
-from galewood.model.crown_mass import branch_mass_kg, twig_loads, twig_mass_per_area
 from galewood.options import ImportRequest
-from galewood.skeleton import outline_of
+from galewood.solid.model import crown_mass
+from galewood.solid.model.crown_mass import branch_mass_kg, twig_loads, twig_mass_per_area
+from galewood.solid.skeleton import outline_of
+from galewood.tree import TreeMesh
+from galewood.tree.importer import read_tree
 from galewood.util import Floats
 
 from tests.precompute import cylinder_models as make

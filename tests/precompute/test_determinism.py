@@ -5,14 +5,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-from galewood.fem.dynamics import Simulator
-from galewood.fem.model import FemSettings
-from galewood.model.construction import build_model
-from galewood.sampling.design_speed import design_wind
-from galewood.sampling.recording import sample_trajectory, sample_winds
-from galewood.sampling.training_winds import training_shapes
-from galewood.skeleton.extraction import sampled_elements
-from galewood.verify.specimens import TARGETS
+from galewood.check.verify.specimens import TARGETS
+from galewood.pipeline.sampling.design_speed import design_wind
+from galewood.pipeline.sampling.recording import sample_trajectory, sample_winds
+from galewood.pipeline.sampling.training_winds import training_shapes
+from galewood.solid.fem.dynamics import Simulator
+from galewood.solid.fem.model import FemSettings
+from galewood.solid.model.construction import build_model
+from galewood.solid.skeleton.extraction import sampled_elements
 
 from tests.precompute.apricot import apricot
 

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.fem import Drag, Simulator
-from galewood.reduction.oscillators import oscillators_of, propagators
-from galewood.reduction.wind_scale import speeds_for
-from galewood.sampling import training_shapes
-from galewood.verify.motion_checks import energy_rise, loaded_pole, plate_on_a_spring
-from galewood.wind import dynamic_pressure
+from galewood.check.verify.motion_checks import energy_rise, loaded_pole, plate_on_a_spring
+from galewood.motion.wind import dynamic_pressure
+from galewood.pipeline.reduction.oscillators import oscillators_of, propagators
+from galewood.pipeline.reduction.wind_scale import speeds_for
+from galewood.pipeline.sampling import training_shapes
+from galewood.solid.fem import Drag, Simulator
 
 SEED = 20_411
 

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.fem import support
-from galewood.fem.dynamics import Simulator
-from galewood.fem.model import FemModel, load_model, save_model
-from galewood.fem.modes import frequencies
-from galewood.fem.settings import FemSettings, Scheme
-from galewood.model.comparison import trajectory_difference
-from galewood.model.construction import build_model
-from galewood.verify.bars import polygon_bar
-from galewood.verify.motion_checks import energy_rise, loaded_pole, ring_down
+from galewood.check.verify.bars import polygon_bar
+from galewood.check.verify.motion_checks import energy_rise, loaded_pole, ring_down
+from galewood.solid.fem import support
+from galewood.solid.fem.dynamics import Simulator
+from galewood.solid.fem.model import FemModel, load_model, save_model
+from galewood.solid.fem.modes import frequencies
+from galewood.solid.fem.settings import FemSettings, Scheme
+from galewood.solid.model.comparison import trajectory_difference
+from galewood.solid.model.construction import build_model
 from galewood.wood.species import wood_of_species
 
 

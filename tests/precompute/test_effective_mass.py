@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.fem import FemModel, FemSettings, Modes
-from galewood.model import LumpedMasses, build_model
-from galewood.model.effective_mass import effective_masses, sway_report
-from galewood.verify.bars import polygon_bar
+from galewood.check.verify.bars import polygon_bar
+from galewood.solid.fem import FemModel, FemSettings, Modes
+from galewood.solid.model import LumpedMasses, build_model
+from galewood.solid.model.effective_mass import effective_masses, sway_report
 from galewood.wood import wood_of_species
 from scipy.linalg import eigh
 from scipy.optimize import brentq

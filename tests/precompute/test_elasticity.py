@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
-from galewood.fem.quadratic import combination, elevate, midside_parents, node_mass_shares
-from galewood.verify.element_checks import (
+from galewood.check.verify.element_checks import (
     elasticity_tensor,
     element_system,
     patch_error,
@@ -12,6 +10,8 @@ from galewood.verify.element_checks import (
     shaken_box,
     stiffness_eigenvalues,
 )
+from galewood.solid.fem.elements.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+from galewood.solid.fem.elements.quadratic import combination, elevate, midside_parents, node_mass_shares
 from galewood.wood.species import wood_of_species
 
 SEED = 11

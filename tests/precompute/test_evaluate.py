@@ -8,9 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.cli.commands import app
-from galewood.cli.tools import file_writer
-from galewood.evaluation.evaluate import (
+from galewood.check.evaluation.evaluate import (
     METHODS,
     compare,
     compare_methods,
@@ -18,10 +16,10 @@ from galewood.evaluation.evaluate import (
     nearest_sample,
     play_pressures,
 )
-from galewood.evaluation.long_run import long_run, play_beyond_range
-from galewood.evaluation.measures import errors, figures, growth, hausdorff, joined, windows
-from galewood.evaluation.plot import plot_errors
-from galewood.evaluation.reference_runs import (
+from galewood.check.evaluation.long_run import long_run, play_beyond_range
+from galewood.check.evaluation.measures import errors, figures, growth, hausdorff, joined, windows
+from galewood.check.evaluation.plot import plot_errors
+from galewood.check.evaluation.reference_runs import (
     ReferenceRun,
     ReferenceTask,
     follow,
@@ -29,11 +27,13 @@ from galewood.evaluation.reference_runs import (
     run_references,
     sway_of,
 )
-from galewood.evaluation.source import Source, SourceError, find_model, source_of
-from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
-from galewood.fem.dynamics import Simulator
-from galewood.pipeline.build import BuildOptions, build_table, model_of
-from galewood.sampling.runner import SampleTask, content_hash, run_task
+from galewood.check.evaluation.source import Source, SourceError, find_model, source_of
+from galewood.check.evaluation.winds import long_gusts, noise, perlin, unseen_winds
+from galewood.io.cli.commands import app
+from galewood.io.cli.tools import file_writer
+from galewood.pipeline.sampling.runner import SampleTask, content_hash, run_task
+from galewood.pipeline.stages.build import BuildOptions, build_table, model_of
+from galewood.solid.fem.dynamics import Simulator
 from galewood.table.format import Table, decode
 from galewood.wood import WoodDocument, wood_of_species
 from typer.testing import CliRunner

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.cli.commands import app
-from galewood.mesh import TreeMesh
-from galewood.mesh.importer import read_tree
-from galewood.model import beam_model, typical_frequency_hz
+from galewood.io.cli.commands import app
 from galewood.options import BuildRequest, ImportRequest
-from galewood.pipeline import BuildOptions, expected_motion, motion_lines
-from galewood.pipeline.expected import length_words, steady_sway_m
-from galewood.pipeline.kernel_compilation import small_tree_obj
-from galewood.pipeline.stiffness import Goal, goal_of, scaled_to
+from galewood.pipeline.stages import BuildOptions, expected_motion, motion_lines
+from galewood.pipeline.stages.expected import length_words, steady_sway_m
+from galewood.pipeline.stages.kernel_compilation import small_tree_obj
+from galewood.pipeline.stages.stiffness import Goal, goal_of, scaled_to
+from galewood.solid.model import beam_model, typical_frequency_hz
+from galewood.tree import TreeMesh
+from galewood.tree.importer import read_tree
 from galewood.util import MeshError
 from galewood.wood import wood_of_species
 from typer.testing import CliRunner
@@ -131,8 +131,8 @@ def test_wood_without_branches_cannot_be_given_a_sway(
     def fails(*args: object, **kwargs: object) -> None:
         raise ValueError("no branches")
 
-    monkeypatch.setattr("galewood.pipeline.stiffness.beam_model", fails)
-    monkeypatch.setattr("galewood.pipeline.expected.beam_model", fails)
+    monkeypatch.setattr("galewood.pipeline.stages.stiffness.beam_model", fails)
+    monkeypatch.setattr("galewood.pipeline.stages.expected.beam_model", fails)
     assert expected_motion(tree) is None
     assert motion_lines(None)
     with pytest.raises(MeshError, match="first frequency instead"):

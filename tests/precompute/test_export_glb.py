@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.export import ExportError, animated_glb, coordinates_in_wind, recorded_coordinates
-from galewood.mesh.render_mesh import render_glb
-from galewood.mesh.types import RenderPrimitive, TreeMesh
+from galewood.io.export import ExportError, animated_glb, coordinates_in_wind, recorded_coordinates
+from galewood.motion.wind.evaluation import Wind
 from galewood.table.format import Table, decode
-from galewood.wind.evaluation import Wind
+from galewood.tree.render_mesh import render_glb
+from galewood.tree.types import RenderPrimitive, TreeMesh
 
 from tests.golden import GOLDEN_FOLDER
 

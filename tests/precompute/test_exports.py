@@ -16,14 +16,14 @@ import galewood
 import numpy as np
 import pytest
 import trimesh
-from galewood.cli.commands import app
-from galewood.export import KINDS, ExportError, ExportOptions, archive, write_export
-from galewood.export.looped import Loop, looped
-from galewood.export.pivots import packed_index, unpacked_index
+from galewood.io.cli.commands import app
+from galewood.io.export import KINDS, ExportError, ExportOptions, archive, write_export
+from galewood.io.export.looped import Loop, looped
+from galewood.io.export.pivots import packed_index, unpacked_index
+from galewood.motion.wind import Wind, WindField
 from galewood.player import WindDrivenTrees, periodic_motion
-from galewood.skinning import drawn_positions
+from galewood.solid.skinning import drawn_positions
 from galewood.table import Table, decode
-from galewood.wind import Wind, WindField
 from PIL import Image
 from typer.testing import CliRunner
 

@@ -7,13 +7,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.cli.commands import app
-from galewood.field import FieldError, FieldOptions, Measurement, comparison, read_measurements, run_field
-from galewood.field.simulated import diameter_cm
-from galewood.field.statistics import agreement, broadleaf_hz, conifer_hz, determination, left_out_hz
-from galewood.field.summary import summarised
+from galewood.check.field import (
+    FieldError,
+    FieldOptions,
+    Measurement,
+    comparison,
+    read_measurements,
+    run_field,
+)
+from galewood.check.field.simulated import diameter_cm
+from galewood.check.field.statistics import agreement, broadleaf_hz, conifer_hz, determination, left_out_hz
+from galewood.check.field.summary import summarised
+from galewood.check.verify.beams import pole_frequencies
+from galewood.io.cli.commands import app
 from galewood.util import Cancelled
-from galewood.verify.beams import pole_frequencies
 from galewood.wood import wood_of_species
 from typer.testing import CliRunner
 

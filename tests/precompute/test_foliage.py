@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.model.foliage import LEAF_MASS_KG_M2, MOST_LEAF_MASS, bind_foliage
-from galewood.model.silhouette import silhouette_area
+from galewood.solid.model.foliage import LEAF_MASS_KG_M2, MOST_LEAF_MASS, bind_foliage
+from galewood.solid.model.silhouette import silhouette_area
 
 from tests.precompute import tree_meshes as make
 from tests.precompute.tet_meshes import leaf_cards, y_mesh, y_tree_mesh

@@ -4,7 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.fem import (
+from galewood.check.verify.bars import Bar, polygon_bar
+from galewood.check.verify.beam_checks import POLE_WOOD, SPRUNG_LIMITS, sprung
+from galewood.check.verify.beams import CLAMPED_NUMBER, sprung_pole_frequency
+from galewood.options import BuildRequest
+from galewood.pipeline.sampling.runner import content_hash
+from galewood.pipeline.stages import BuildOptions
+from galewood.solid.fem import (
     Element,
     FemModel,
     FemSettings,
@@ -14,14 +20,8 @@ from galewood.fem import (
     solve_static,
     statics,
 )
-from galewood.fem.foundation import base_springs
-from galewood.model import build_model
-from galewood.options import BuildRequest
-from galewood.pipeline import BuildOptions
-from galewood.sampling.runner import content_hash
-from galewood.verify.bars import Bar, polygon_bar
-from galewood.verify.beam_checks import POLE_WOOD, SPRUNG_LIMITS, sprung
-from galewood.verify.beams import CLAMPED_NUMBER, sprung_pole_frequency
+from galewood.solid.fem.foundation import base_springs
+from galewood.solid.model import build_model
 
 ELEMENTS: tuple[Element, ...] = ("fitted", "quadratic")
 

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.fem import Drag
-from galewood.modal import advance_gusts
+from galewood.motion.modal import advance_gusts
+from galewood.motion.wind import PRESETS, Wind, WindField, crown_carried, crown_field, write_gusts
+from galewood.motion.wind.pressure import compress_pressure, compressed
+from galewood.pipeline.reduction import gust_modes
+from galewood.pipeline.reduction.gust_layer import OSCILLATOR_COUNT
 from galewood.player import WindDrivenTrees, grid_placements
-from galewood.reduction import gust_modes
-from galewood.reduction.gust_layer import OSCILLATOR_COUNT
+from galewood.solid.fem import Drag
 from galewood.table import Table, decode
-from galewood.wind import PRESETS, Wind, WindField, crown_carried, crown_field, write_gusts
-from galewood.wind.pressure import compress_pressure, compressed
 
 from tests.golden import GOLDEN_FOLDER
 from tests.golden.beam import Beam

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from galewood.inventory import InventoryError, Stem, local_m, match_species, read_inventory
-from galewood.inventory.species import COMMON_NAMES, STANDS_FOR
+from galewood.measurements.inventory import InventoryError, Stem, local_m, match_species, read_inventory
+from galewood.measurements.inventory.species import COMMON_NAMES, STANDS_FOR
 
 ROOT = Path(__file__).parents[2]
 SPHERE_M = 6_371_008.8

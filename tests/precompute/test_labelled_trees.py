@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from galewood.mesh.axis import to_y_up
-from galewood.mesh.classification import UNSURE_SHARE
-from galewood.mesh.formats import read_parts
-from galewood.mesh.importer import classify_content
+from galewood.formats.reading import read_parts
 from galewood.options import ImportRequest
+from galewood.tree.axis import to_y_up
+from galewood.tree.importer import classify_content
+from galewood.tree.pieces.classification import UNSURE_SHARE
 from scipy.spatial import KDTree
 
 from tests.precompute.labelled_trees import STYLES, LabelledFile, labelled_file

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from galewood.pipeline.reduction import training as training_module
+from galewood.pipeline.reduction.oscillators import propagators, reduced, response
+from galewood.pipeline.reduction.training import ModalTraining, Size, fit_smallest, size_of
+from galewood.pipeline.reduction.training_error import simulated_q, training_error_m
+from galewood.pipeline.sampling.recording import SampledRun, sample_trajectory
+from galewood.pipeline.sampling.training_winds import training_shapes
 from galewood.player.modal_forest import ModalForest
-from galewood.reduction import training as training_module
-from galewood.reduction.oscillators import propagators, reduced, response
-from galewood.reduction.training import ModalTraining, Size, fit_smallest, size_of
-from galewood.reduction.training_error import simulated_q, training_error_m
-from galewood.sampling.recording import SampledRun, sample_trajectory
-from galewood.sampling.training_winds import training_shapes
 
 from tests.golden.beam import Beam
 from tests.golden.make import scheme

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from galewood.fem.assembly import ElementSystem
-from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+from galewood.solid.fem.elements.assembly import ElementSystem
+from galewood.solid.fem.elements.elasticity import PAIRS, gradients, moduli, stiffness_blocks
 from galewood.wood.species import wood_of_species
 
 from tests.precompute.tet_meshes import grid_mesh

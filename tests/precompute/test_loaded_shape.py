@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.fem import Element, FemModel, FemSettings, Simulator, load_model, save_model, statics
-from galewood.model import build_model
-from galewood.verify.bars import Bar, polygon_bar
+from galewood.check.verify.bars import Bar, polygon_bar
+from galewood.solid.fem import Element, FemModel, FemSettings, Simulator, load_model, save_model, statics
+from galewood.solid.model import build_model
 from galewood.wood import wood_of_species
 
 WOOD = wood_of_species("poplar")

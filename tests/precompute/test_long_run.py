@@ -6,12 +6,12 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
-import galewood.modal
+import galewood.motion.modal
 import galewood.player
 import numpy as np
 import pytest
-from galewood.evaluation.long_run import long_run_key
-from galewood.evaluation.source import Source
+from galewood.check.evaluation.long_run import long_run_key
+from galewood.check.evaluation.source import Source
 from galewood.table.format import Table, decode
 
 from tests.golden import GOLDEN_FOLDER
@@ -70,7 +70,7 @@ def test_the_key_covers_the_search_parameters_of_the_table() -> None:
     assert key(replace(TABLE, paper=replace(TABLE.records, metadata=eased))) != key()
 
 
-@pytest.mark.parametrize("package", [galewood.modal, galewood.player])
+@pytest.mark.parametrize("package", [galewood.motion.modal, galewood.player])
 def test_the_key_covers_the_stepping_code(
     package: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

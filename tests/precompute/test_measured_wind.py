@@ -8,7 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from galewood.wind import Measurement, MeasurementError, WindField, parse_wind, read_measurement
+from galewood.measurements import Measurement, MeasurementError, read_measurement
+from galewood.motion.wind import WindField, parse_wind
 
 Line = Callable[[float, float, float], str]
 HEAD = "time (s),speed (m/s),direction (deg)\n"

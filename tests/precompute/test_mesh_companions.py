@@ -7,11 +7,11 @@ import zipfile
 
 import numpy as np
 import pytest
-from galewood.mesh.beside import mesh_with_companions
-from galewood.mesh.colours import linear_from_srgb
-from galewood.mesh.importer import read_tree
-from galewood.mesh.repair import Surface
+from galewood.formats.beside import mesh_with_companions
+from galewood.formats.colours import linear_from_srgb
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree
+from galewood.tree.repair import Surface
 from PIL import Image
 
 from tests.precompute import tree_meshes as make

@@ -6,10 +6,10 @@ import json
 import meshopt
 import numpy as np
 import pytest
-from galewood.mesh.importer import read_tree, render_glb
-from galewood.mesh.repair import Surface
-from galewood.mesh.sandboxed import import_mesh_sandboxed
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree, render_glb
+from galewood.tree.repair import Surface
+from galewood.tree.sandboxed import import_mesh_sandboxed
 from PIL import Image
 
 from tests.precompute import tree_meshes as make

@@ -7,9 +7,9 @@ import zipfile
 
 import numpy as np
 import pytest
-from galewood.mesh import archive
-from galewood.mesh.importer import read_tree
-from galewood.mesh.sandboxed import import_mesh_sandboxed
+from galewood.formats import archive
+from galewood.tree.importer import read_tree
+from galewood.tree.sandboxed import import_mesh_sandboxed
 from galewood.util import MeshError
 from PIL import Image
 
@@ -76,7 +76,7 @@ def test_a_damaged_texture_is_dropped_and_reported():
 
 
 def test_a_large_texture_is_reduced(monkeypatch):
-    monkeypatch.setattr("galewood.mesh.textures.MAX_SIDE", 8)
+    monkeypatch.setattr("galewood.formats.textures.MAX_SIDE", 8)
     tree = read_tree(textured(leaf_image("PNG", side=16), "image/png"), "a.glb")
     leaves = next(p for p in tree.primitives if p.kind == "leaves")
     assert leaves.material is not None

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import read_tree, render_glb
-from galewood.mesh.repair import Surface, agree_windings, cap, face_outwards, open_edges, volume, weld
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree, render_glb
+from galewood.tree.repair import Surface, agree_windings, cap, face_outwards, open_edges, volume, weld
 
 from tests.precompute import tree_meshes as make
 

@@ -7,13 +7,13 @@ import zlib
 
 import numpy as np
 import pytest
-from galewood.mesh import joined_parts
-from galewood.mesh.bounded_image import open_image
-from galewood.mesh.companions import MOST_WARNINGS, Source
-from galewood.mesh.gltf_scene import placed_meshes
-from galewood.mesh.importer import read_tree
-from galewood.mesh.repair import Surface
-from galewood.mesh.textures import drawable
+from galewood.formats.bounded_image import open_image
+from galewood.formats.companions import MOST_WARNINGS, Source
+from galewood.formats.gltf.scene import placed_meshes
+from galewood.formats.textures import drawable
+from galewood.tree import joined_parts
+from galewood.tree.importer import read_tree
+from galewood.tree.repair import Surface
 from galewood.util import MeshError
 from PIL import Image
 

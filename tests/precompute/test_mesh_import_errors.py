@@ -8,9 +8,9 @@ import zipfile
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import read_tree
-from galewood.mesh.repair import Surface
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree
+from galewood.tree.repair import Surface
 from galewood.util import MeshError
 
 from tests.precompute import tree_meshes as make

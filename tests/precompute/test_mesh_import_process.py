@@ -6,9 +6,9 @@ import time
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import read_tree, render_glb
-from galewood.mesh.sandboxed import import_mesh_sandboxed, pack_tree, unpack_tree
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
+from galewood.tree.importer import read_tree, render_glb
+from galewood.tree.sandboxed import import_mesh_sandboxed, pack_tree, unpack_tree
 from galewood.util import MeshError
 
 from tests.precompute import tree_meshes as make

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import pytest
-from galewood.mesh.importer import read_tree
-from galewood.mesh.sandboxed import import_mesh_sandboxed
+from galewood.tree.importer import read_tree
+from galewood.tree.sandboxed import import_mesh_sandboxed
 from galewood.util import MeshError
 
 from tests.precompute import nested_files as nested

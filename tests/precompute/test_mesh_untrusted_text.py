@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import read_tree, render_glb
-from galewood.mesh.sandboxed import pack_tree
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree, render_glb
+from galewood.tree.sandboxed import pack_tree
 from galewood.util import MeshError
 from pydantic import BaseModel
 

@@ -7,22 +7,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.fem import LEAST_PROFILE
-from galewood.mesh.added_lines import Load, pipe_radius
-from galewood.mesh.importer import read_tree
-from galewood.mesh.missing_wood import Completed, complete_wood
-from galewood.mesh.render_mesh import render_glb
-from galewood.mesh.repair import Surface
-from galewood.mesh.sandboxed import pack_tree, unpack_tree
-from galewood.mesh.sections import edge_samples, sections_at
-from galewood.mesh.types import RawPart, TreeMesh
-from galewood.model import beam_model, in_added_wood
-from galewood.model.beam_tree import frame_of
-from galewood.model.foliage import LEAF_MASS_KG_M2
+from galewood.formats.types import RawPart
 from galewood.options import ImportRequest
-from galewood.pictures.thumbnail import draw
-from galewood.skeleton import outline_of
-from galewood.skinning import Distortion, axis_of_frame, vertex_bindings
+from galewood.pipeline.pictures.thumbnail import draw
+from galewood.solid.fem import LEAST_PROFILE
+from galewood.solid.model import beam_model, in_added_wood
+from galewood.solid.model.beam_tree import frame_of
+from galewood.solid.model.foliage import LEAF_MASS_KG_M2
+from galewood.solid.skeleton import outline_of
+from galewood.solid.skinning import Distortion, axis_of_frame, vertex_bindings
+from galewood.tree.importer import read_tree
+from galewood.tree.missing.added_lines import Load, pipe_radius
+from galewood.tree.missing.missing_wood import Completed, complete_wood
+from galewood.tree.missing.sections import edge_samples, sections_at
+from galewood.tree.render_mesh import render_glb
+from galewood.tree.repair import Surface
+from galewood.tree.sandboxed import pack_tree, unpack_tree
+from galewood.tree.types import TreeMesh
 from galewood.util import Floats, MeshError
 from galewood.wood import wood_of_species
 from PIL import Image

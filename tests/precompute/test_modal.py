@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from galewood.fem.model import FemSettings
-from galewood.modal import ModalTensors
+from galewood.motion.modal import ModalTensors
+from galewood.motion.wind import dynamic_pressure
+from galewood.pipeline.reduction.modal_fit import ridge_fit
+from galewood.pipeline.reduction.oscillators import propagators, response
+from galewood.pipeline.sampling.training_winds import noise, training_shapes
 from galewood.player.modal_forest import ModalForest
-from galewood.reduction.modal_fit import ridge_fit
-from galewood.reduction.oscillators import propagators, response
-from galewood.sampling.training_winds import noise, training_shapes
+from galewood.solid.fem.model import FemSettings
 from galewood.table.format import decode, without_gusts
-from galewood.wind import dynamic_pressure
 
 from tests.golden.beam import Beam
 from tests.precompute.test_table import FILE

@@ -17,10 +17,10 @@ import galewood
 import pytest
 import traitlets
 from galewood import packaged
-from galewood.notebook import display
-from galewood.notebook.trees import shown_table
+from galewood.io.notebook import display
+from galewood.io.notebook.trees import shown_table
+from galewood.motion.wind import PRESETS
 from galewood.table import decode
-from galewood.wind import PRESETS
 
 from tests.golden import GOLDEN_FOLDER
 from tests.precompute.shared_tets import small_tree_glb
@@ -46,7 +46,7 @@ def front_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def widget_class() -> Any:
-    from galewood.notebook import ForestWidget
+    from galewood.io.notebook import ForestWidget
 
     return ForestWidget
 

@@ -2,19 +2,19 @@
 
 import numpy as np
 import pytest
-from galewood.beams import frame_frequencies, frame_matrices, frame_modes
-from galewood.mesh.importer import read_tree
-from galewood.model.beam_tree import beam_model, frame_of
+from galewood.check.verify.beams import pole_frequencies
+from galewood.check.verify.specimens import FORMS, NAMES, read_frame
+from galewood.motion.wind import dynamic_pressure
 from galewood.options import ImportRequest
-from galewood.pipeline import BuildOptions
-from galewood.pipeline.from_beams import beam_table
-from galewood.sampling import MAX_SWAY_SHARE
-from galewood.skeleton import outline_of
-from galewood.skeleton.bridges import bridges
+from galewood.pipeline.sampling import MAX_SWAY_SHARE
+from galewood.pipeline.stages import BuildOptions
+from galewood.pipeline.stages.from_beams import beam_table
+from galewood.solid.beams import frame_frequencies, frame_matrices, frame_modes
+from galewood.solid.model.beam_tree import beam_model, frame_of
+from galewood.solid.skeleton import outline_of
+from galewood.solid.skeleton.bridges import bridges
 from galewood.table import decode
-from galewood.verify.beams import pole_frequencies
-from galewood.verify.specimens import FORMS, NAMES, read_frame
-from galewood.wind import dynamic_pressure
+from galewood.tree.importer import read_tree
 from galewood.wood.species import wood_of_species
 
 from tests.precompute.shared_tets import small_tree_glb

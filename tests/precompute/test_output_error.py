@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.fem import FemSettings
-from galewood.modal import (
+from galewood.motion.modal import (
     ModalTensors,
     add_drag,
     add_drag_gradient,
@@ -15,11 +14,12 @@ from galewood.modal import (
     force_terms,
     write_force_terms,
 )
-from galewood.reduction import output_error
-from galewood.reduction.modal_fit import force_table
-from galewood.reduction.modal_runs import ModalRun
-from galewood.reduction.oscillators import propagators
-from galewood.reduction.training_error import simulated_q
+from galewood.pipeline.reduction import output_error
+from galewood.pipeline.reduction.modal_fit import force_table
+from galewood.pipeline.reduction.modal_runs import ModalRun
+from galewood.pipeline.reduction.oscillators import propagators
+from galewood.pipeline.reduction.training_error import simulated_q
+from galewood.solid.fem import FemSettings
 from galewood.table.format import decode
 from galewood.util import Floats
 

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.paper import speed
-from galewood.paper.gestures import first_maximum
-from galewood.paper.plan import Notes, code_hash, quick_plan
-from galewood.paper.run import run_paper
-from galewood.paper.text import table
+from galewood.check.paper import speed
+from galewood.check.paper.gestures import first_maximum
+from galewood.check.paper.plan import Notes, code_hash, quick_plan
+from galewood.check.paper.run import run_paper
+from galewood.check.paper.text import table
 
 from tests.precompute.shared_tets import cache_with_tets, small_tree_glb
 

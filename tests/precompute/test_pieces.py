@@ -6,16 +6,16 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from galewood.mesh.importer import read_tree
-from galewood.mesh.painted import ranges_of
-from galewood.mesh.piece_colour import face_colours, hue_saturation_value
-from galewood.mesh.piece_mesh import pieces_glb
-from galewood.mesh.piece_names import named_kind, named_other
-from galewood.mesh.piece_shape import measure
-from galewood.mesh.pieces import find_pieces
-from galewood.mesh.scan_ground import ground_faces
-from galewood.mesh.types import Material, RawPart
+from galewood.formats.types import Material, RawPart
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree
+from galewood.tree.piece_mesh import pieces_glb
+from galewood.tree.pieces.colour import face_colours, hue_saturation_value
+from galewood.tree.pieces.names import named_kind, named_other
+from galewood.tree.pieces.painted import ranges_of
+from galewood.tree.pieces.pieces import find_pieces
+from galewood.tree.pieces.shape import measure
+from galewood.tree.scan_ground import ground_faces
 from galewood.util import MeshError
 from PIL import Image
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.pipeline.build import build_table
-from galewood.pipeline.options import BuildOptions, BuildResult, Progress
+from galewood.pipeline.sampling.runner import SampleTask, run_task
+from galewood.pipeline.stages.build import build_table
+from galewood.pipeline.stages.options import BuildOptions, BuildResult, Progress
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
-from galewood.sampling.runner import SampleTask, run_task
 from galewood.table.format import decode
 from galewood.util import Cancelled, MeshError
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse
-from galewood.fem import FemModel, TangentFactor, solve_static, tangent_factor
-from galewood.pipeline.compliance_file import compliance_of, four_largest, whole_weights
+from galewood.check.verify.motion_checks import loaded_pole
+from galewood.motion.wind import Wind, WindError, WindField, parse_wind_or_state, with_front
+from galewood.pipeline.stages.compliance_file import compliance_of, four_largest, whole_weights
 from galewood.player import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.pulling import displacement_at, solve, vertex_loads
+from galewood.solid.fem import FemModel, TangentFactor, solve_static, tangent_factor
 from galewood.table import Compliance, TableError, decode, decode_compliance, encode_compliance
-from galewood.verify.motion_checks import loaded_pole
-from galewood.wind import Wind, WindError, WindField, parse_wind_or_state, with_front
 
 from tests.golden import GOLDEN_FOLDER
 from tests.golden.make_pull import NODES, chain_factor, chain_matrix

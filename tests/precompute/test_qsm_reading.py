@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import read_tree
-from galewood.mesh.qsm.cylinders import Cylinders, checked_tree
-from galewood.mesh.qsm.tables import read_table
-from galewood.mesh.qsm.treeqsm import HDF5_HEADER, read_treeqsm
-from galewood.mesh.sandboxed import import_mesh_sandboxed
+from galewood.formats.qsm.cylinders import Cylinders, checked_tree
+from galewood.formats.qsm.tables import read_table
+from galewood.formats.qsm.treeqsm import HDF5_HEADER, read_treeqsm
 from galewood.options import Axis, ImportRequest
+from galewood.tree.importer import read_tree
+from galewood.tree.sandboxed import import_mesh_sandboxed
 from galewood.util import MeshError
 
 from tests.precompute import cylinder_models as make

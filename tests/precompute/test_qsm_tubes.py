@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.beams import Frame, frame_frequencies
-from galewood.mesh import alpha_coverage
-from galewood.mesh.importer import read_tree
-from galewood.mesh.qsm.branches import branch_lines, chained
-from galewood.mesh.qsm.reading import MOST_BRANCHES, SPACINGS
-from galewood.mesh.repair import Surface, face_components, signed_volumes
-from galewood.mesh.types import TreeMesh
-from galewood.model import beam_model
+from galewood.check.verify.beams import pole_frequencies
+from galewood.formats import alpha_coverage
+from galewood.formats.qsm.branches import branch_lines, chained
+from galewood.formats.qsm.reading import MOST_BRANCHES, SPACINGS
 from galewood.options import ImportRequest
-from galewood.verify.beams import pole_frequencies
+from galewood.solid.beams import Frame, frame_frequencies
+from galewood.solid.model import beam_model
+from galewood.tree.importer import read_tree
+from galewood.tree.repair import Surface, face_components, signed_volumes
+from galewood.tree.types import TreeMesh
 from galewood.wood import wood_of_species
 
 from tests.precompute import cylinder_models as make

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.fem.dynamics import Simulator
-from galewood.fem.model import FemSettings
-from galewood.mesh.repair import Surface, volume
-from galewood.model.construction import STIFFNESS_FLOOR, build_model, wood_elements
-from galewood.model.foliage import LumpedMasses
-from galewood.skeleton.extraction import extract_skeleton
-from galewood.skeleton.radius_correction import input_volume, with_corrected_radii
-from galewood.skeleton.roots import root_vertices
-from galewood.tets.quality import tet_volumes
+from galewood.solid.fem.dynamics import Simulator
+from galewood.solid.fem.model import FemSettings
+from galewood.solid.model.construction import STIFFNESS_FLOOR, build_model, wood_elements
+from galewood.solid.model.foliage import LumpedMasses
+from galewood.solid.skeleton.extraction import extract_skeleton
+from galewood.solid.skeleton.radius_correction import input_volume, with_corrected_radii
+from galewood.solid.skeleton.roots import root_vertices
+from galewood.solid.tets.quality import tet_volumes
+from galewood.tree.repair import Surface, volume
 from galewood.wood.species import wood_of_species
 
 from tests.precompute import tree_meshes as make

@@ -1,9 +1,9 @@
 """A limb keeps its stiffness where twigs grow out of its axis."""
 
 import numpy as np
-from galewood.tets.radius_ratio import radius_ratio
-from galewood.tets.thicken import thicken
-from galewood.verify.bars import polygon_bar
+from galewood.check.verify.bars import polygon_bar
+from galewood.solid.tets.radius_ratio import radius_ratio
+from galewood.solid.tets.thicken import thicken
 
 from tests.precompute import tree_meshes as make
 

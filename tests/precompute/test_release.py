@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.fem import FemModel, FemSettings
-from galewood.field import fitted_decay, pull_and_release
-from galewood.field.decay import envelope
-from galewood.field.sway_mode import main_sway_mode
-from galewood.model import build_model
-from galewood.verify.bars import polygon_bar
+from galewood.check.field import fitted_decay, pull_and_release
+from galewood.check.field.decay import envelope
+from galewood.check.field.sway_mode import main_sway_mode
+from galewood.check.verify.bars import polygon_bar
+from galewood.solid.fem import FemModel, FemSettings
+from galewood.solid.model import build_model
 from galewood.wood import wood_of_species
 from scipy.integrate import solve_ivp
 

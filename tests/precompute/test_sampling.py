@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.sampling.design_speed import design_wind
-from galewood.sampling.recording import (
+from galewood.motion.wind.evaluation import dynamic_pressure
+from galewood.pipeline.sampling.design_speed import design_wind
+from galewood.pipeline.sampling.recording import (
     StoredRun,
     Trajectory,
     is_whole,
@@ -16,7 +17,6 @@ from galewood.sampling.recording import (
     trajectory_key,
     write_trajectory,
 )
-from galewood.wind.evaluation import dynamic_pressure
 
 from tests.golden.beam import Beam
 

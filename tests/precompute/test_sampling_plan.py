@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.reduction import TrainingWinds
-from galewood.sampling.plan import Samples, plan_samples, simulate
-from galewood.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
-from galewood.sampling.runner import SampleTask, TrajectoryRunner
-from galewood.sampling.training_winds import FURTHER_WINDS, WIND_COUNT, training_shapes
-from galewood.verify.motion_checks import loaded_pole
+from galewood.check.verify.motion_checks import loaded_pole
+from galewood.pipeline.reduction import TrainingWinds
+from galewood.pipeline.sampling.plan import Samples, plan_samples, simulate
+from galewood.pipeline.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
+from galewood.pipeline.sampling.runner import SampleTask, TrajectoryRunner
+from galewood.pipeline.sampling.training_winds import FURTHER_WINDS, WIND_COUNT, training_shapes
 
 
 def task(wind: SampleWind, folder: Path) -> SampleTask:

@@ -5,9 +5,9 @@ import unicodedata
 
 import numpy as np
 import pytest
-from galewood.inventory import read_inventory
+from galewood.measurements import read_measurement
+from galewood.measurements.inventory import read_inventory
 from galewood.util import MeshError, decoded, rows_of, shown_text
-from galewood.wind import read_measurement
 
 UNFIT = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from galewood.search.similarity import InternalStates, compared, mismatch_rows
+from galewood.motion.search.similarity import InternalStates, compared, mismatch_rows
 
 
 def naive_mismatches(states: InternalStates, c: int, j: int, rms: list[np.ndarray]) -> int:

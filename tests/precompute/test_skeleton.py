@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from galewood.pictures.build_pictures import skeleton_png
-from galewood.skeleton.extraction import extract_skeleton, sampled_elements
-from galewood.skeleton.levels import cut_sections, geodesic_distance, inner_faces
-from galewood.skeleton.roots import root_vertices
-from galewood.skeleton.tree import branches, reach
+from galewood.pipeline.pictures.build_pictures import skeleton_png
+from galewood.solid.skeleton.extraction import extract_skeleton, sampled_elements
+from galewood.solid.skeleton.levels import cut_sections, geodesic_distance, inner_faces
+from galewood.solid.skeleton.roots import root_vertices
+from galewood.solid.skeleton.tree import branches, reach
 
 from tests.precompute.tet_meshes import Y_SEGMENTS, grid_mesh, near_segment, y_mesh
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from galewood.fem.solver import BlockCholesky, NotPositiveDefinite
+from galewood.solid.fem.solver import BlockCholesky, NotPositiveDefinite
 
 
 def _problem(n: int, seed: int) -> tuple[BlockCholesky, np.ndarray]:

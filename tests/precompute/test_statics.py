@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.fem import PAIRS, Element, ElementSystem, FemModel, solve_static
-from galewood.fem.tangent import add_stress_terms, shape_gradients, stress_terms
-from galewood.verify.bars import Bar, polygon_bar
-from galewood.verify.beam_checks import ELASTICA_LIMITS, POLE_WOOD, bent_far, weightless
-from galewood.verify.beams import Section, elastica_tip, tip_deflection
-from galewood.verify.element_checks import element_system, shaken_box
+from galewood.check.verify.bars import Bar, polygon_bar
+from galewood.check.verify.beam_checks import ELASTICA_LIMITS, POLE_WOOD, bent_far, weightless
+from galewood.check.verify.beams import Section, elastica_tip, tip_deflection
+from galewood.check.verify.element_checks import element_system, shaken_box
+from galewood.solid.fem import PAIRS, Element, ElementSystem, FemModel, solve_static
+from galewood.solid.fem.elements.tangent import add_stress_terms, shape_gradients, stress_terms
 from scipy.special import ellipeinc, ellipkinc
 
 LENGTH_M = 5.0

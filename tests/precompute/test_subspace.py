@@ -1,7 +1,7 @@
 """Reduced coordinates: exact for low-rank motion, otherwise optimal; quantised without drift."""
 
 import numpy as np
-from galewood.reduction.pod import fit_subspace, quantise, thinned
+from galewood.pipeline.reduction.pod import fit_subspace, quantise, thinned
 
 
 def motion(seed: int, frames: int = 60, n: int = 40, rank: int = 5) -> tuple[np.ndarray, np.ndarray]:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.fem import Element, FemModel, FemSettings, Simulator
-from galewood.model import build_model
-from galewood.verify.bars import polygon_bar
-from galewood.verify.beams import pole_frequencies, softening
+from galewood.check.verify.bars import polygon_bar
+from galewood.check.verify.beams import pole_frequencies, softening
+from galewood.solid.fem import Element, FemModel, FemSettings, Simulator
+from galewood.solid.model import build_model
 from galewood.wood import wood_of_species
 
 WOOD = wood_of_species("poplar")

@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from galewood.mesh.importer import read_tree
 from galewood.options import ImportRequest
+from galewood.tree.importer import read_tree
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "examples" / "synthetic_scan.py"
 TREES = {

@@ -4,11 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.mesh.repair import Surface, face_components, open_edges, volume
 from galewood.sandbox.limited_process import Limits, run_limited
-from galewood.tets.meshing import tetrahedralise
-from galewood.tets.polish import polished
-from galewood.tets.quality import (
+from galewood.solid.tets.meshing import tetrahedralise
+from galewood.solid.tets.polish import polished
+from galewood.solid.tets.quality import (
     boundary_faces,
     largest_component,
     lost_extent,
@@ -16,9 +15,10 @@ from galewood.tets.quality import (
     restore_volume,
     tet_volumes,
 )
-from galewood.tets.refine import refined
-from galewood.tets.thicken import inscribed_radius, surface_samples, thicken
-from galewood.tets.wrap import decimate, votes_for_inside, whole_part, wrap
+from galewood.solid.tets.refine import refined
+from galewood.solid.tets.thicken import inscribed_radius, surface_samples, thicken
+from galewood.solid.tets.wrap import decimate, votes_for_inside, whole_part, wrap
+from galewood.tree.repair import Surface, face_components, open_edges, volume
 from galewood.util import MeshError
 
 from tests.precompute import tree_meshes as make

@@ -3,8 +3,8 @@
 import io
 
 import numpy as np
-from galewood.mesh.types import RawPart
-from galewood.pictures.thumbnail import SIDE_PX, draw
+from galewood.formats.types import RawPart
+from galewood.pipeline.pictures.thumbnail import SIDE_PX, draw
 from PIL import Image
 
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from galewood.evaluation.tracks import Place, pressure_at
+from galewood.check.evaluation.tracks import Place, pressure_at
+from galewood.motion.wind.evaluation import Wind, change_wind, steady
 from galewood.table.format import decode
-from galewood.wind.evaluation import Wind, change_wind, steady
 
 from tests.golden import GOLDEN_FOLDER
 

@@ -4,15 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.mesh.classification import classify
-from galewood.mesh.importer import read_tree
-from galewood.mesh.render_mesh import render_glb
-from galewood.mesh.repair import Surface
-from galewood.mesh.types import RawPart, RenderPrimitive
-from galewood.model.beam_tree import beam_model
-from galewood.model.foliage import crown_loads
-from galewood.model.twigs import twig_volumes
+from galewood.formats.types import RawPart
 from galewood.options import ImportRequest
+from galewood.solid.model.beam_tree import beam_model
+from galewood.solid.model.foliage import crown_loads
+from galewood.solid.model.twigs import twig_volumes
+from galewood.tree.importer import read_tree
+from galewood.tree.pieces.classification import classify
+from galewood.tree.render_mesh import render_glb
+from galewood.tree.repair import Surface
+from galewood.tree.types import RenderPrimitive
 from galewood.util import Floats
 from galewood.wood import wood_of_species
 

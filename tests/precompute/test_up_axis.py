@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.mesh.axis import AXES, choose_up_axis, to_y_up
-from galewood.mesh.formats import read_parts
-from galewood.mesh.importer import read_tree
-from galewood.mesh.joined_parts import joined_parts
-from galewood.mesh.pieces import find_pieces
-from galewood.mesh.types import RawPart
-from galewood.mesh.upright import ground, section_thickness
+from galewood.formats.reading import read_parts
+from galewood.formats.types import RawPart
 from galewood.options import ImportRequest
+from galewood.tree.axis import AXES, choose_up_axis, to_y_up
+from galewood.tree.importer import read_tree
+from galewood.tree.joined_parts import joined_parts
+from galewood.tree.pieces.pieces import find_pieces
+from galewood.tree.upright import ground, section_thickness
 
 from tests.precompute import tree_meshes as make
 from tests.precompute.labelled_shapes import terrain, together, tube

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.fem.model import FemModel
-from galewood.model.construction import build_model
-from galewood.verify import beam_checks, element_checks, motion_checks
-from galewood.verify.bars import Bar, polygon_bar
-from galewood.verify.checks import Check
+from galewood.check.verify import beam_checks, element_checks, motion_checks
+from galewood.check.verify.bars import Bar, polygon_bar
+from galewood.check.verify.checks import Check
+from galewood.solid.fem.model import FemModel
+from galewood.solid.model.construction import build_model
 from galewood.wood.species import Wood
 
 Plant = Callable[[Wood], Wood]

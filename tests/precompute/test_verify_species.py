@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.verify.checks import absolute, relative, skipped
-from galewood.verify.run import MARKERS, insert_table, markdown
-from galewood.verify.species_checks import (
+from galewood.check.verify.checks import absolute, relative, skipped
+from galewood.check.verify.run import MARKERS, insert_table, markdown
+from galewood.check.verify.species_checks import (
     against_measured_trees,
     against_reference,
     of_specimen,
@@ -14,7 +14,7 @@ from galewood.verify.species_checks import (
     ringing,
     wood_mass,
 )
-from galewood.verify.specimens import TARGETS
+from galewood.check.verify.specimens import TARGETS
 
 from tests.precompute.apricot import apricot
 

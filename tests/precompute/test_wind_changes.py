@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from galewood.constants import TRANSITION_S, WIND_MODELS
+from galewood.motion.wind import Wind, WindField, WindState, crown_carried, crown_field, write_gusts
+from galewood.motion.wind.document import DEFAULT_WAVES, Wave
+from galewood.motion.wind.recording import quantised
+from galewood.motion.wind.transition import change_wind, parse_state, steady
 from galewood.util import Floats
-from galewood.wind import Wind, WindField, WindState, crown_carried, crown_field, write_gusts
-from galewood.wind.document import DEFAULT_WAVES, Wave
-from galewood.wind.recording import quantised
-from galewood.wind.transition import change_wind, parse_state, steady
 
 X_M, Z_M = np.array([-40.0, 0.0, 7.5, 210.0]), np.array([3.0, 0.0, -90.0, 55.0])
 PLACES_M = np.array([[0.5, 9.0, -0.5], [-1.0, 4.0, 1.5]])

@@ -11,11 +11,11 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from galewood.bench.wind import bench_wind
+from galewood.check.bench.wind import bench_wind
 from galewood.constants import PAPER_WAVES, PERLIN_NOISE_VARIANCE, TRANSITION_S, WIND_MODELS
-from galewood.wind import transition as transition
-from galewood.wind.document import FIELDS, Field
-from galewood.wind.evaluation import (
+from galewood.motion.wind import transition as transition
+from galewood.motion.wind.document import FIELDS, Field
+from galewood.motion.wind.evaluation import (
     PRESETS,
     Wave,
     Wind,
@@ -33,11 +33,11 @@ from galewood.wind.evaluation import (
     wind_pressure,
     wind_speed,
 )
-from galewood.wind.models.cosine import cos_turns
-from galewood.wind.models.fourier import roots_of_unity, transform_columns, transform_rows
-from galewood.wind.models.perlin import SLOPES, noise, permutation
-from galewood.wind.recording import EMPTY_RECORDING
-from galewood.wind.schema import wind_schema
+from galewood.motion.wind.models.cosine import cos_turns
+from galewood.motion.wind.models.fourier import roots_of_unity, transform_columns, transform_rows
+from galewood.motion.wind.models.perlin import SLOPES, noise, permutation
+from galewood.motion.wind.recording import EMPTY_RECORDING
+from galewood.motion.wind.schema import wind_schema
 
 from tests.golden import GOLDEN_FOLDER, make_wind
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from galewood.constants import EDDY_GRID, TURBULENCE_PER_GUSTINESS
-from galewood.wind.evaluation import Wind, WindField
-from galewood.wind.models.navier_stokes import Eddies
+from galewood.motion.wind.evaluation import Wind, WindField
+from galewood.motion.wind.models.navier_stokes import Eddies
 from scipy.signal import welch
 
 LENGTH_M, CONVECTION_M_S, MEAN_M_S = 20.0, 8.0, 10.0

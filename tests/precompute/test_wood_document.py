@@ -3,9 +3,9 @@
 import json
 
 import pytest
-from galewood.fem.model import FemSettings
-from galewood.model.construction import build_model
-from galewood.verify.bars import polygon_bar
+from galewood.check.verify.bars import polygon_bar
+from galewood.solid.fem.model import FemSettings
+from galewood.solid.model.construction import build_model
 from galewood.wood.document import WoodDocument, WoodError, read_wood_document
 from galewood.wood.species import wood_of_species
 

@@ -1,10 +1,10 @@
 """Tetrahedral meshes of known shape without a mesher: a bar and a Y, cut from a grid of cubes; a drawn Y."""
 
 import numpy as np
-from galewood.mesh.repair import Surface
-from galewood.mesh.types import TreeMesh
-from galewood.tets.meshing import TetMesh
-from galewood.tets.quality import largest_component
+from galewood.solid.tets.meshing import TetMesh
+from galewood.solid.tets.quality import largest_component
+from galewood.tree.repair import Surface
+from galewood.tree.types import TreeMesh
 
 from tests.precompute import tree_meshes as make
 

@@ -6,9 +6,9 @@ import struct
 from typing import Any
 
 import numpy as np
-from galewood.mesh.render_mesh import render_glb
-from galewood.mesh.repair import Surface
-from galewood.mesh.types import RenderPrimitive, TreeMesh
+from galewood.tree.render_mesh import render_glb
+from galewood.tree.repair import Surface
+from galewood.tree.types import RenderPrimitive, TreeMesh
 
 
 def tube(start, end, radius_start, radius_end, sides=10, rings=6, closed=True) -> Surface:

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from galewood.pipeline.options import BuildOptions, BuildResult, Progress
+from galewood.pipeline.stages.options import BuildOptions, BuildResult, Progress
 from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.job_process import main
 from galewood_server.jobs.progress import JobLease, ProgressReporter

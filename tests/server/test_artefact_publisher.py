@@ -9,7 +9,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
-from galewood.pipeline.options import BuildOptions, BuildResult
+from galewood.pipeline.stages.options import BuildOptions, BuildResult
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
 from galewood_server.jobs.analysis_files import PLOT_FILE, store_result

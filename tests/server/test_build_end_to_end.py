@@ -12,7 +12,7 @@ import msgpack
 import numpy as np
 import psutil
 import pytest
-from galewood.sampling.recording import is_whole
+from galewood.pipeline.sampling.recording import is_whole
 from galewood.table import format as table_format
 from galewood_server.stream import wire
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import httpx
 import pytest
-from galewood.inventory import read_inventory
-from galewood.wind import read_measurement
+from galewood.measurements import read_measurement
+from galewood.measurements.inventory import read_inventory
 from galewood_server.cli import commands
 from galewood_server.cli.commands import app
 from typer.testing import CliRunner

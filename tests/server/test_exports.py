@@ -10,7 +10,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from galewood.shipped import ShippedTree, build_key, write_shipped
+from galewood.pipeline.shipped import ShippedTree, build_key, write_shipped
 
 from tests.golden import GOLDEN_FOLDER
 from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server

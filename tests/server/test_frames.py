@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from galewood.motion.wind.evaluation import Wind, steady
 from galewood.player.paper_search import PaperForest, lookup_arrays
 from galewood.table.format import decode
-from galewood.wind.evaluation import Wind, steady
 from galewood_server.settings import Settings
 from galewood_server.storage.stores import Stores
 from galewood_server.storage.table_cache import TableCache

@@ -9,8 +9,9 @@ import sys
 from tests.server.conftest import REPOSITORY
 
 HEAVY = (
-    "dask", "distributed", "galewood.fem", "galewood.mesh", "galewood.model", "galewood.pipeline",
-    "galewood.reduction", "galewood.sampling", "alembic", "matplotlib", "numba", "scipy", "trimesh",
+    "dask", "distributed", "galewood.solid.fem", "galewood.tree", "galewood.solid.model", "alembic",
+    "galewood.pipeline.stages", "galewood.pipeline.reduction", "galewood.pipeline.sampling", "matplotlib",
+    "numba", "scipy", "trimesh",
 )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from galewood.wind.evaluation import Wind
+from galewood.motion.wind.evaluation import Wind
 from galewood_server.peers import forest_leases
 from galewood_server.peers.forest_leases import claim_forest, release_forest, renew_forest
 from galewood_server.settings import Settings

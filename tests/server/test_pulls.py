@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 from galewood.constants import MOST_PULLS_OF_FOREST
+from galewood.motion.wind.evaluation import Wind
 from galewood.player import point_response
 from galewood.table import decode
-from galewood.wind.evaluation import Wind
 from galewood_server.stream import wire
 from galewood_server.stream.forest_hands import ForestHands
 from galewood_server.stream.pulls import GroupPulls
@@ -120,8 +120,8 @@ def test_a_forest_has_room_for_a_limited_number_of_hands() -> None:
 @pytest.mark.parametrize("method", ["modal", "paper"])
 def test_a_released_tree_returns_without_a_jump(method: str) -> None:
     """Held, the point is where the hand is; released, it starts there, and comes to rest."""
+    from galewood.motion.wind import WindField
     from galewood.player import WindDrivenTrees
-    from galewood.wind import WindField
 
     place = np.array([[0.0, 0.0, 0.4, 1.0], [9.0, 0.0, 0.0, 1.0]], np.float32)
     trees_of = WindDrivenTrees(TABLE, place, method)  # pyright: ignore[reportArgumentType]

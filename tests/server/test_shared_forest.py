@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from galewood.constants import TICK_HZ
-from galewood.wind.evaluation import Wind, parse_wind_or_state
-from galewood.wind.transition import at
+from galewood.motion.wind.evaluation import Wind, parse_wind_or_state
+from galewood.motion.wind.transition import at
 from galewood_server.stream import wire
 
 from tests.server.conftest import Server

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import httpx
 import pytest
-from galewood.shipped import ShippedTree, build_key, read_shipped, write_shipped
+from galewood.motion.wind import Wind
+from galewood.pipeline.shipped import ShippedTree, build_key, read_shipped, write_shipped
 from galewood.table import decode, encode
-from galewood.wind import Wind
 
 from tests.golden import GOLDEN_FOLDER
 from tests.server.conftest import NO_CLUSTER, Server, wait_until

@@ -86,7 +86,9 @@ def test_a_first_start_compiles_the_kernels_until_the_server_stops(
     cache = {"GALEWOOD_COMPILE_KERNELS": "true", "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
     server = start_server(**cache, **NO_CLUSTER)
     wait_until(
-        lambda: any("galewood.pipeline.kernel_compilation" in command_line(one) for one in server.family())
+        lambda: any(
+            "galewood.pipeline.stages.kernel_compilation" in command_line(one) for one in server.family()
+        )
     )
     family = server.family()
     server.stop()

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from galewood.wind import field as wind_field
-from galewood.wind.evaluation import Wind, steady
-from galewood.wind.models.navier_stokes import Eddies
+from galewood.motion.wind import field as wind_field
+from galewood.motion.wind.evaluation import Wind, steady
+from galewood.motion.wind.models.navier_stokes import Eddies
 from galewood_server.settings import Settings
 from galewood_server.storage.stores import Stores
 from galewood_server.storage.table_cache import TableCache

@@ -10,8 +10,8 @@ import httpx
 import numpy as np
 import pytest
 from galewood.constants import MOST_RECORDING_SAMPLES
-from galewood.wind.evaluation import PRESETS, Wind, parse_state
-from galewood.wind.recording import quantised
+from galewood.motion.wind.evaluation import PRESETS, Wind, parse_state
+from galewood.motion.wind.recording import quantised
 from galewood_server.stream import wire
 from websockets.sync.client import connect
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from galewood.modal import GustTensors, advance_gusts
+from galewood.motion.modal import GustTensors, advance_gusts
+from galewood.motion.wind import WindField, crown_carried, crown_field, write_gusts
 from galewood.player.instances import Stepping
 from galewood.util import Floats, Singles
-from galewood.wind import WindField, crown_carried, crown_field, write_gusts
 
 
 class GustLayer:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from galewood.modal import ModalTensors, advance_trees, float64_tensors, working_room
+from galewood.motion.modal import ModalTensors, advance_trees, float64_tensors, working_room
 from galewood.player.instances import TreeInstances
 from galewood.util import Singles
 

@@ -23,8 +23,8 @@ from galewood.constants import (
     SEARCH_ANY_AIR,
     SEARCH_SNAP,
 )
+from galewood.motion.search import last_records, still_records
 from galewood.player.instances import TreeInstances
-from galewood.search import last_records, still_records
 from galewood.table import Table
 from galewood.util import Array, Floats
 

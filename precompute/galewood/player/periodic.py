@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from galewood.motion.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor
 from galewood.player.gust_layer import GustLayer
 from galewood.player.modal_forest import ModalForest
-from galewood.skinning import node_pose
+from galewood.solid.skinning import node_pose
 from galewood.table import Table
 from galewood.util import Floats
-from galewood.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor
 
 BLEND_S = 3.0
 """Longest part of a period over which the wind blends into that before it."""

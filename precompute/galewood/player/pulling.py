@@ -122,7 +122,7 @@ def vertex_loads(compliance: Compliance, vertex: int) -> tuple[Floats, Floats]:
 
 def solve(compliance: Compliance, load_n: Floats) -> Floats:
     """(n, 3) m: displacement of the nodes under forces (n, 3), N."""
-    from galewood.fem import solve_factor  # loads numba
+    from galewood.solid.fem import solve_factor  # loads numba
 
     u = np.ascontiguousarray(load_n, np.float64).copy()
     solve_factor(compliance.pointer, compliance.rows, compliance.blocks, u)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from galewood.motion.wind import Wind, WindField
 from galewood.player.wind_driven import Method, WindDrivenTrees
 from galewood.table import Table
 from galewood.util import Floats
-from galewood.wind import Wind, WindField
 
 SPACING_M = 10.0
 

@@ -7,12 +7,19 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from galewood.motion.wind import (
+    Wind,
+    WindField,
+    compress_pressure,
+    dynamic_pressure,
+    height_factor,
+    limit_pressure,
+)
 from galewood.player.gust_layer import GustLayer
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.table import Table
 from galewood.util import Singles
-from galewood.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor, limit_pressure
 
 Method = Literal["modal", "paper"]
 """The modal reduced-order model, or the paper's state search."""

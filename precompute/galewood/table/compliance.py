@@ -40,7 +40,7 @@ class Compliance:
     """Factor of a tree's tangent stiffness at rest, and the render mesh bound to it.
 
     n free nodes of the solid in elimination order, b blocks of the factor, w rows of weights, v render
-    vertices. The factor is that of galewood.fem.TangentFactor.
+    vertices. The factor is that of galewood.solid.fem.TangentFactor.
     """
 
     mesh_sha256: str

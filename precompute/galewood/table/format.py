@@ -53,7 +53,7 @@ from galewood.table.records import (
 )
 
 if TYPE_CHECKING:
-    from galewood.modal import GustTensors, ModalTensors
+    from galewood.motion.modal import GustTensors, ModalTensors
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Table:
     joint_share: npt.NDArray[np.float32]  # (j,) share of the second node
     joint_rest_m: npt.NDArray[np.float32]  # (j, 3)
     vertex_joint: npt.NDArray[np.uint16]  # (v,)
-    modal_step: npt.NDArray[np.float32]  # (d, 6); modal_*: see galewood.modal.ModalTensors
+    modal_step: npt.NDArray[np.float32]  # (d, 6); modal_*: see galewood.motion.modal.ModalTensors
     modal_load: npt.NDArray[np.float32]  # (d, 2)
     modal_sway: npt.NDArray[np.float32]  # (2, d)
     modal_force: npt.NDArray[np.float32]  # (44 + 6c, d)
@@ -80,7 +80,7 @@ class Table:
     modal_drag_point: npt.NDArray[np.float32]  # (m, 2)
     modal_drag_shape: npt.NDArray[np.float32]  # (3, m, d)
     modal_drag_rest: npt.NDArray[np.float32]  # (d,)
-    gust_place: npt.NDArray[np.float32]  # (G, 3); gust_*: see galewood.modal.GustTensors
+    gust_place: npt.NDArray[np.float32]  # (G, 3); gust_*: see galewood.motion.modal.GustTensors
     gust_step: npt.NDArray[np.float32]  # (L, 6)
     gust_load: npt.NDArray[np.float32]  # (L, 2G)
     gust_drag: npt.NDArray[np.float32]  # (L,)
@@ -90,7 +90,7 @@ class Table:
     @property
     def modal(self) -> ModalTensors:
         """Tensors of the modal model."""
-        from galewood.modal import ModalTensors  # loads numba, which readers of metadata do not need
+        from galewood.motion.modal import ModalTensors  # loads numba, which readers of metadata do not need
 
         return ModalTensors(
             self.modal_step, self.modal_load, self.modal_sway,
@@ -101,7 +101,7 @@ class Table:
     @property
     def gusts(self) -> GustTensors:
         """Tensors of the gust layer."""
-        from galewood.modal import GustTensors  # loads numba
+        from galewood.motion.modal import GustTensors  # loads numba
 
         return GustTensors(self.gust_place, self.gust_step, self.gust_load, self.gust_drag)
 
@@ -248,7 +248,7 @@ def check_metadata(metadata: Metadata) -> None:
 
 
 def _check_shapes(table: Table) -> None:
-    from galewood.modal import force_terms, shape_terms
+    from galewood.motion.modal import force_terms, shape_terms
 
     r, n, joints = int(table.metadata["modes"]), len(table.node_rest_m), len(table.joint_share)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])

@@ -18,7 +18,9 @@ async def compile_kernels(settings: Settings) -> None:
     if not settings.compile_kernels or await asyncio.to_thread(kernels_compiled):
         return
     log.info("compiling the numeric kernels, once on this machine; builds wait for them")
-    process = await start_module("galewood.pipeline.kernel_compilation", environment=settings.environment())
+    process = await start_module(
+        "galewood.pipeline.stages.kernel_compilation", environment=settings.environment()
+    )
     try:
         await process.wait()
     finally:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from galewood.shipped import ShippedTree
+from galewood.pipeline.shipped import ShippedTree
 from galewood.util import write_atomically
 from sqlalchemy.orm import Session
 

@@ -21,7 +21,7 @@ from typing import Any, cast
 
 import httpx
 import psutil
-from galewood.wind import Wind
+from galewood.motion.wind import Wind
 
 from galewood_server.cli.load import Load
 from galewood_server.storage import FileStore

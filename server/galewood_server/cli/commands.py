@@ -1,4 +1,4 @@
-"""`galewood serve`, beside the commands of precompute/galewood/cli/commands.py."""
+"""`galewood serve`, beside the commands of precompute/galewood/io/cli/commands.py."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from galewood.cli import (
+from galewood.io.cli import (
     JsonOut,
     app,
     console,
@@ -53,7 +53,7 @@ def forest(
     data_dir: Annotated[Path | None, typer.Option(help="Data folder (GALEWOOD_DATA_DIR).")] = None,
 ) -> None:
     """Plant a forest from an inventory of stems (position, species, height, diameter) and serve it."""
-    from galewood.inventory import InventoryError, read_inventory
+    from galewood.measurements import InventoryError, read_inventory
 
     try:
         report = read_inventory(inventory).report

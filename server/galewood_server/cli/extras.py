@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, NoReturn
 
 import typer
-from galewood.cli import console
+from galewood.io.cli import console
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood_server.settings import Settings

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from galewood.cli import (
+from galewood.io.cli import (
     JsonOut,
     Mesh,
     console,

@@ -6,10 +6,10 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from galewood.evaluation import Comparison, Place, comparison_tracks, nodes_on_wood
-from galewood.fem import load_model
+from galewood.check.evaluation import Comparison, Place, comparison_tracks, nodes_on_wood
+from galewood.motion.wind import parse_wind_or_state
+from galewood.solid.fem import load_model
 from galewood.table import Table, decode
-from galewood.wind import parse_wind_or_state
 
 from galewood_server.jobs.analysis_files import store_result
 from galewood_server.jobs.model_job import with_model

@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any
 
 from galewood.constants import RECORDS_STAGE, STAGES_AFTER_TABLE
-from galewood.pipeline import BuildOptions, BuildResult, Progress
+from galewood.pipeline.stages import BuildOptions, BuildResult, Progress
 from galewood.util import kernels_compiled
 from sqlalchemy.orm import Session
 
@@ -110,7 +110,7 @@ class RunningBuild:
             self._transfer.delete_runs(self._runner.runs)
 
     def _compile_kernels(self) -> None:
-        from galewood.pipeline import compile_kernels
+        from galewood.pipeline.stages import compile_kernels
 
         self._reporter.report("import", 0.0, "Compiling the numeric kernels (once on this machine)")
         compile_kernels()

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from galewood.evaluation import SourceError, run_evaluation
+from galewood.check.evaluation import SourceError, run_evaluation
 from galewood.options import EvaluationOptions
 from galewood.table import read_metadata
 

@@ -106,6 +106,6 @@ def main(build: Build, analysis: Analysis | None = None) -> None:
 
 
 if __name__ == "__main__":
-    from galewood.pipeline import build_table
+    from galewood.pipeline.stages import build_table
 
     main(build_table)

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from galewood.fem import save_model
+from galewood.solid.fem import save_model
 
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.jobs.stored_files import stored_bytes
@@ -34,7 +34,7 @@ def with_model(
 
 
 def _compute(job_lease: JobLease, settings: Settings, stores: Stores) -> bytes:
-    from galewood.pipeline import BuildOptions, model_of  # loads the meshing packages
+    from galewood.pipeline.stages import BuildOptions, model_of  # loads the meshing packages
 
     with job_lease.sessions() as session:
         tree = session.get_one(Job, job_lease.job_id).tree

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from galewood.mesh.types import RenderPrimitive
-from galewood.skinning import Axis
-from galewood.skinning.stretch_minimisation import AxisPoses
+from galewood.solid.skinning import Axis
+from galewood.solid.skinning.stretch_minimisation import AxisPoses
+from galewood.tree.types import RenderPrimitive
 from galewood.util import Floats, Ints
 from scipy.sparse import csr_matrix
 

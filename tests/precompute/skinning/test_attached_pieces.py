@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.skinning import Distortion, with_attached_pieces
+from galewood.solid.skinning import Distortion, with_attached_pieces
 from galewood.table import Table, decode
 from galewood.util import Floats
 

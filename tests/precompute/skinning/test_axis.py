@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from galewood.skeleton import extract_skeleton
-from galewood.skinning import axis_of_tets
+from galewood.solid.skeleton import extract_skeleton
+from galewood.solid.skinning import axis_of_tets
 
 from tests.precompute import tree_meshes as make
 from tests.precompute.tet_meshes import Y_SEGMENTS, y_mesh

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from galewood.skinning.axis_simplification import AxisMotion, longest_lines, simplify_axis
+from galewood.solid.skinning.axis_simplification import AxisMotion, longest_lines, simplify_axis
 
 from tests.precompute.skinning.poles import pole_with_branch
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from galewood.skinning.bindings import AxisPaths, Bindings
+from galewood.solid.skinning.bindings import AxisPaths, Bindings
 
 from tests.precompute.skinning.poles import path_to_root
 

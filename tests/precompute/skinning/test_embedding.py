@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.mesh.repair import Surface
-from galewood.mesh.types import RenderPrimitive, TreeMesh
-from galewood.skinning import nearest_tets, render_embedding
-from galewood.skinning.embedding import nearest_of_pieces
+from galewood.solid.skinning import nearest_tets, render_embedding
+from galewood.solid.skinning.embedding import nearest_of_pieces
+from galewood.tree.repair import Surface
+from galewood.tree.types import RenderPrimitive, TreeMesh
 
 from tests.precompute import tree_meshes as make
 from tests.precompute.tet_meshes import leaf_cards, y_mesh, y_tree_mesh

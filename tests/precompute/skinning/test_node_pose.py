@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from galewood.skinning.node_poses import limit_stretch, turned
+from galewood.solid.skinning.node_poses import limit_stretch, turned
 
 
 @pytest.mark.parametrize("angle", [0.1, 0.5, 0.9])

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from galewood.motion.wind import Wind, WindField
 from galewood.player import WindDrivenTrees
-from galewood.skinning import drawn_positions, node_pose
+from galewood.solid.skinning import drawn_positions, node_pose
 from galewood.table import Table, decode
-from galewood.wind import Wind, WindField
 
 SHIPPED = Path(__file__).parents[3] / "assets" / "species" / "shipped"
 TREES = ("maple", "maple-forest", "poplar", "poplar-forest", "apricot", "apricot-forest")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from galewood.skinning import Axis, Bindings, MotionSamples, Skin, joint_rows, make_skin
+from galewood.solid.skinning import Axis, Bindings, MotionSamples, Skin, joint_rows, make_skin
 from galewood.util import Floats
 
 from tests.precompute.skinning.poles import pole_with_branch

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from galewood.mesh.types import RenderPrimitive
-from galewood.skinning import Axis, Bindings
-from galewood.skinning import smoothed_weights as smoothing
-from galewood.skinning.smoothed_weights import smoothed_weights
-from galewood.skinning.stretch_minimisation import AxisPoses, posed_positions
-from galewood.skinning.wood_bindings import welded_primitive, wood_bindings
+from galewood.solid.skinning import Axis, Bindings
+from galewood.solid.skinning import smoothed_weights as smoothing
+from galewood.solid.skinning.smoothed_weights import smoothed_weights
+from galewood.solid.skinning.stretch_minimisation import AxisPoses, posed_positions
+from galewood.solid.skinning.wood_bindings import welded_primitive, wood_bindings
+from galewood.tree.types import RenderPrimitive
 
 from tests.precompute.skinning.poles import bent, flared, pole, pole_wood
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from galewood.skinning.stretch_minimisation import EdgeMesh, StretchMinimisation
-from galewood.skinning.wood_bindings import welded_primitive
+from galewood.solid.skinning.stretch_minimisation import EdgeMesh, StretchMinimisation
+from galewood.solid.skinning.wood_bindings import welded_primitive
 
 from tests.precompute.skinning.poles import flared
 

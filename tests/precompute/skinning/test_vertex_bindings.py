@@ -6,10 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from galewood.beams import Frame
-from galewood.mesh.repair import Surface
-from galewood.mesh.types import RenderPrimitive, TreeMesh
-from galewood.skinning import (
+from galewood.solid.beams import Frame
+from galewood.solid.skinning import (
     Distortion,
     MotionSamples,
     axis_of_frame,
@@ -17,6 +15,8 @@ from galewood.skinning import (
     make_skin,
     vertex_bindings,
 )
+from galewood.tree.repair import Surface
+from galewood.tree.types import RenderPrimitive, TreeMesh
 
 from tests.precompute import tree_meshes as make
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from galewood.skinning import Axis, Bindings
-from galewood.skinning.wood_bindings import limited_slope, wood_bindings
+from galewood.solid.skinning import Axis, Bindings
+from galewood.solid.skinning.wood_bindings import limited_slope, wood_bindings
 from galewood.util import Floats, Ints
 
 from tests.precompute.skinning.poles import axis_of, pole, pole_wood

@@ -20,7 +20,7 @@ from galewood.util import Cancelled, write_atomically
 from galewood_server.storage import fetch, list_keys, open_bucket, stored
 
 if TYPE_CHECKING:
-    from galewood.sampling import SampleTask
+    from galewood.pipeline.sampling import SampleTask
 
 POLL_S = 0.5
 
@@ -99,7 +99,7 @@ def flag_key(job_id: str) -> str:
 
 def run_and_upload(item: TransferredTask) -> str:
     """In a worker: simulate and store a run, unless it exists or the job was cancelled. Returns its key."""
-    from galewood.sampling import run_task  # loads the solver, which only workers need
+    from galewood.pipeline.sampling import run_task  # loads the solver, which only workers need
 
     bucket, key = open_bucket(item.url), run_key(item.task.path)
     if stored(bucket, key) is not None:

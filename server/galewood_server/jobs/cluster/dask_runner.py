@@ -13,7 +13,7 @@ from galewood_server.jobs.cluster.blob_transfer import BlobTransfer, Transferred
 from galewood_server.jobs.cluster.dask_cluster import EngineLostError, connected, map_on_cluster
 
 if TYPE_CHECKING:
-    from galewood.sampling import SampleTask
+    from galewood.pipeline.sampling import SampleTask
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class DaskRunner:
 
 def run_unless_cancelled(item: CancellableTask) -> str:
     """In a worker: simulate a run and check the cancel flag between frames, as Dask cannot stop a task."""
-    from galewood.sampling import run_task  # loads the solver, which only workers need
+    from galewood.pipeline.sampling import run_task  # loads the solver, which only workers need
 
     def check_cancelled(_fraction: float) -> None:
         if item.flag.exists():

@@ -1,0 +1,136 @@
+"""The extent of ``galewood paper`` and its cache, which lets an interrupted run continue.
+
+The cache holds results that the same code and plan always reproduce: simulated runs, tables and their
+errors. It never holds timings; they depend on the machine and are measured in every run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from galewood.options import USUAL_TETS
+from galewood.pipeline.stages import BuildOptions, build_table
+from galewood.table import Table, decode, encode, without_gusts
+from galewood.util import write_atomically
+
+OnProgress = Callable[[float, str], None]
+
+PAPER_VERSION = 2
+UNRELATED_SOURCES = (
+    "bench/",
+    "cli/",
+    "pictures/",
+    "verify/",
+    "evaluation/plot.py",
+    "paper/pictures.py",
+    "paper/text.py",
+)
+"""Sources that cannot change a cached result."""
+SPECIES = ("poplar", "maple", "apricot")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The extent of every experiment; ``meshes`` maps a species to its mesh file."""
+
+    meshes: dict[str, Path]
+    cache_dir: Path
+    height_m: float | None = None
+    target_tets: int = USUAL_TETS
+    record_frames: int = 180
+    frames: int = 600
+    elements: tuple[int, ...] = (35, 135, 235, 335, 435)
+    element_frames: int = 180
+    trees: tuple[int, ...] = (20, 30, 40, 50, 200, 1000, 10_000)
+    steps: int = 150
+    queries: int = 20_000
+    seed: int = 40_401
+    workers: int = 2
+    quick: bool = False
+
+    def options(self, species: str) -> BuildOptions:
+        """Build options of a species' table."""
+        return BuildOptions(
+            species=species,
+            height_m=self.height_m,
+            target_tets=self.target_tets,
+            sampled_elements=self.elements[0],
+            frames=self.record_frames,
+            all_cosine_winds=True,
+        )
+
+
+def full_plan(meshes: Path, cache_dir: Path, workers: int = 2) -> Plan:
+    """The experiments at the extent of the paper, on the three species in the folder ``meshes``."""
+    return Plan({name: meshes / f"{name}.glb" for name in SPECIES}, cache_dir, workers=workers)
+
+
+def quick_plan(meshes: dict[str, Path], cache_dir: Path) -> Plan:
+    """The smallest extent that still runs every experiment."""
+    return Plan(
+        meshes, cache_dir, target_tets=800, record_frames=60, frames=60, elements=(6, 12),
+        element_frames=20, trees=(20, 50), steps=10, queries=200, workers=1, quick=True,
+    )  # fmt: skip
+
+
+@dataclass
+class Notes:
+    """Cache of reproducible results, keyed by the code, the plan and what else they depend on.
+
+    Never pass a timing through it: a cached timing would be that of another run.
+    """
+
+    plan: Plan
+    code: str = field(default_factory=lambda: code_hash())
+
+    def kept(self, name: str, depends: str, make: Callable[[], Any]) -> Any:
+        """Return the JSON-able result of ``make``, cached while code, plan and ``depends`` stay the same."""
+        path = self._path(f"{name}-", depends, ".json")
+        if not path.exists():
+            write_atomically(path, json.dumps(make(), default=float).encode())
+        return json.loads(path.read_text())
+
+    def table(self, name: str, depends: str, make: Callable[[], Table]) -> Table:
+        """Return the table that ``make`` builds, cached like the results of ``kept``."""
+        path = self._path(f"{name}-", depends, ".gwt")
+        if not path.exists():
+            write_atomically(path, encode(make()))
+        return decode(path.read_bytes())
+
+    def _path(self, prefix: str, depends: str, suffix: str) -> Path:
+        digest = hashlib.sha256(f"{PAPER_VERSION} {self.code} {self.plan} {depends}".encode()).hexdigest()
+        return self.plan.cache_dir / "paper" / f"{prefix}{digest[:24]}{suffix}"
+
+
+def code_hash() -> str:
+    """SHA-256 of the sources of all galewood modules that can change a cached result."""
+    root = Path(__file__).parents[1]
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        name = path.relative_to(root).as_posix()
+        if not name.startswith(UNRELATED_SOURCES):
+            digest.update(name.encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def built(plan: Plan, notes: Notes, species: str, on_progress: OnProgress) -> tuple[Table, Path, Path]:
+    """Build a species' table unless it is cached; return it, its file and the render mesh beside it."""
+    source, options = plan.meshes[species].read_bytes(), plan.options(species)
+    key = hashlib.sha256(f"{notes.code} {options}".encode() + source).hexdigest()[:24]
+    path = plan.cache_dir / "paper" / f"{species}-{key}.gwt"
+    if not path.exists():
+        result = build_table(
+            source,
+            plan.meshes[species].name,
+            options,
+            progress=lambda p: on_progress(p.fraction, f"{species}: {p.message}"),
+            cache_dir=plan.cache_dir,
+        )
+        write_atomically(path.with_suffix(".glb"), result.render_glb)
+        write_atomically(path, result.whole_table())
+    return without_gusts(decode(path.read_bytes())), path, path.with_suffix(".glb")

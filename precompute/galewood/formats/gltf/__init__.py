@@ -1,0 +1,1 @@
+"""Reader of glTF 2.0, its extensions, materials and skins."""

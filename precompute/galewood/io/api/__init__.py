@@ -1,0 +1,28 @@
+"""The public API of the library; ``import galewood`` gives its names."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
+
+from galewood.io.api.evaluation import evaluate
+from galewood.io.api.exports import export_tree
+from galewood.io.api.field_reports import field_report
+from galewood.io.api.forests import Forest, Placements, grid
+from galewood.io.api.models import Model, Motion
+from galewood.io.api.tables import MotionTable, build, load, save
+from galewood.io.api.trees import Tree, read
+
+__all__ = [
+    "Forest",
+    "Model",
+    "Motion",
+    "MotionTable",
+    "Placements",
+    "Tree",
+    "build",
+    "evaluate",
+    "export_tree",
+    "field_report",
+    "grid",
+    "load",
+    "read",
+    "save",
+]

@@ -1,0 +1,72 @@
+"""The error of a motion table against the finite-element reference solution."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from galewood.check.evaluation import evaluate_table, source_of
+from galewood.io.api.cache import default_cache_dir
+from galewood.io.api.models import pressure_at_origin
+from galewood.io.api.tables import MotionTable
+from galewood.motion.wind import Wind
+from galewood.options import EvaluationOptions
+from galewood.util import Floats
+
+
+def evaluate(
+    table: MotionTable,
+    winds: Mapping[str, Wind] | None = None,
+    *,
+    duration_s: float = 20.0,
+    sway: float | None = None,
+    seed: int = 20_001,
+    cache_dir: Path | None = None,
+    on_progress: Callable[[float, str], None] | None = None,
+) -> dict[str, Any]:
+    """Compare a table with the model that it was built from, on winds that it was not built from.
+
+    Args:
+        table: A table built on this machine: its model is in the cache.
+        winds: Names and winds; by default six winds of different kinds, turned and timed by ``seed``.
+        duration_s: Length of each run.
+        sway: Scale each wind until the reference sways by this share of the height; None: as they are.
+        seed: Seed of the default winds.
+        cache_dir: The folder that the table was built with.
+        on_progress: Receives the fraction done and a message.
+
+    Returns:
+        Per wind and method ("modal", "paper", and baselines): ``max_error`` and ``rms_error`` over the
+        height, ``growth`` and others (spec/formats/evaluation.md).
+
+    Raises:
+        SourceError: The table's model or mesh is not available.
+    """
+    report = on_progress or _no_progress
+    cache = cache_dir or default_cache_dir()
+    dt_s = float(table.metadata["dt_s"])
+    frames = max(60, round(duration_s / dt_s))
+    given = None
+    if winds is not None:
+        time_s: Floats = dt_s * np.arange(1, frames + 1, dtype=np.float64)
+        given = {name: pressure_at_origin(wind, table.height_m, time_s) for name, wind in winds.items()}
+    with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
+        mesh = Path(folder, "tree.glb")
+        if table.render_glb is None:
+            raise ValueError("this table has no mesh: load it with galewood.load(path, mesh=...)")
+        mesh.write_bytes(table.render_glb)
+        source = source_of(table.table, mesh, cache, lambda f, m: report(0.2 * f, m))
+    options = EvaluationOptions(frames=frames, sway=sway, seed=seed)
+    return evaluate_table(
+        table.table, source, options, cache, lambda f, m: report(0.2 + 0.8 * f, m), winds=given
+    )
+
+
+def _no_progress(fraction: float, message: str) -> None:
+    pass

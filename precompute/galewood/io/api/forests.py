@@ -1,0 +1,143 @@
+"""A forest of trees that play motion tables."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood.io.api.tables import MotionTable
+from galewood.motion.wind import Wind, WindField
+from galewood.player import Method, WindDrivenTrees, grid_placements
+from galewood.solid.skinning import drawn_positions, joint_rows
+from galewood.util import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Placements:
+    """Where n trees stand, how each is turned and scaled, and which table it plays."""
+
+    x_m: Floats
+    """(n,)"""
+    z_m: Floats
+    """(n,)"""
+    yaw_rad: Floats
+    """(n,) rotation about the vertical axis."""
+    scale: Floats
+    """(n,) size over that of the table's tree; a larger tree sways more slowly."""
+    table: Ints
+    """(n,) index into the forest's tables."""
+
+    def __post_init__(self) -> None:
+        count = len(self.x_m)
+        if any(len(one) != count for one in (self.z_m, self.yaw_rad, self.scale, self.table)):
+            raise ValueError("the arrays of a Placements must have the same length")
+
+    def __len__(self) -> int:
+        return len(self.x_m)
+
+
+def grid(count: int, *, tables: int = 1, seed: int = 0) -> Placements:
+    """Trees on a jittered grid, 10 m apart, turned and scaled (0.8 to 1.2) at random; tables in turn."""
+    x_m, z_m, yaw_rad, scale = grid_placements(count, seed)
+    return Placements(x_m, z_m, yaw_rad, scale, np.arange(count) % tables)
+
+
+class Forest:
+    """Trees that move in a common wind, each with a state of its own."""
+
+    def __init__(
+        self,
+        tables: Sequence[MotionTable],
+        placements: Placements | npt.ArrayLike,
+        wind: Wind,
+        *,
+        method: Method = "modal",
+    ) -> None:
+        """All trees are at rest at first.
+
+        Args:
+            tables: The motion tables.
+            placements: Where the trees stand (``galewood.grid`` makes such), or an array (n, 2 to 4) of x m,
+                z m, yaw rad and scale, whose rows play the tables in turn.
+            wind: The wind; ``forest.wind`` changes it.
+            method: "modal" (the modal reduced-order model) or "paper" (the paper's state search).
+
+        Raises:
+            ValueError: A placement names a table that is not there.
+        """
+        if not isinstance(placements, Placements):
+            placements = _placements_of(placements, len(tables))
+        if len(placements) and not 0 <= int(placements.table.min()) <= int(placements.table.max()) < len(
+            tables
+        ):
+            raise ValueError(f"placements.table must lie between 0 and {len(tables) - 1}")
+        self.tables, self.placements, self.time_s = list(tables), placements, 0.0
+        self._field = WindField(wind)
+        rows = np.column_stack([placements.x_m, placements.z_m, placements.yaw_rad, placements.scale])
+        self._members = [np.flatnonzero(placements.table == k) for k in range(len(tables))]
+        self._groups = [
+            WindDrivenTrees(one.table, rows[members], method)
+            for one, members in zip(self.tables, self._members, strict=True)
+        ]
+        self._place = np.zeros(len(placements), np.int64)
+        for members in self._members:
+            self._place[members] = np.arange(len(members))
+
+    @property
+    def wind(self) -> Wind:
+        """The wind now. Setting another one changes over to it smoothly, from the present time on."""
+        return self._field.at(self.time_s).wind
+
+    @wind.setter
+    def wind(self, wind: Wind) -> None:
+        self._field.change(wind, self.time_s)
+
+    def step(self, dt_s: float) -> None:
+        """Advance all trees by dt_s seconds."""
+        self.time_s += dt_s
+        for group in self._groups:
+            group.step(self._field, self.time_s, dt_s)
+
+    def modal_coordinates(self, tree: int) -> Floats:
+        """(r,) modal coordinates of a tree, m: its displacement is Σ basis_k q_k."""
+        group = self._groups[int(self.placements.table[tree])]
+        return group.q[self._place[tree]].astype(np.float64)
+
+    def displacement_m(self, tree: int) -> Floats:
+        """(v, 3) displacement of the places that hold the render vertices of a tree, m.
+
+        In the table's own frame and size. ``vertices_m`` also turns the vertices about these places.
+        """
+        table = self.tables[int(self.placements.table[tree])].table
+        joints = joint_rows(table, table.node_basis) @ self.modal_coordinates(tree)
+        return joints[table.vertex_joint.astype(np.int64)]
+
+    def vertices_m(self, tree: int) -> Floats:
+        """(v, 3) bent render vertices of a tree where it stands, m. ValueError if the table has no mesh."""
+        at = self.placements
+        one = self.tables[int(at.table[tree])]
+        bent = drawn_positions(one.table, one.rest_vertices_m, self.modal_coordinates(tree))
+        return _placed(bent, at.x_m[tree], at.z_m[tree], at.yaw_rad[tree], at.scale[tree])
+
+
+def _placements_of(rows: npt.ArrayLike, tables: int) -> Placements:
+    """Placements from x m, z m and optionally yaw rad and scale per tree. Raises ValueError."""
+    given = np.asarray(rows, np.float64)
+    if given.ndim != 2 or not 2 <= given.shape[1] <= 4:
+        raise ValueError("placements must have 2 to 4 columns: x m, z m, yaw rad, scale")
+    count = len(given)
+    yaw_rad = given[:, 2] if given.shape[1] > 2 else np.zeros(count)
+    scale = given[:, 3] if given.shape[1] > 3 else np.ones(count)
+    return Placements(given[:, 0], given[:, 1], yaw_rad, scale, np.arange(count) % tables)
+
+
+def _placed(vertices_m: Floats, x_m: float, z_m: float, yaw_rad: float, scale: float) -> Floats:
+    """Vertices scaled, turned about y and moved, as the viewer draws them."""
+    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
+    turn: npt.NDArray[np.float64] = np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
+    return scale * vertices_m @ turn.T + np.array([x_m, 0.0, z_m])

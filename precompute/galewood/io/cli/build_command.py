@@ -1,0 +1,173 @@
+"""`galewood build`: its options follow from the fields of ``galewood.pipeline.stages.BuildOptions``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from galewood.io.cli.request_options import Mesh, WoodFile, validated, with_options_of, wood_document
+from galewood.io.cli.tools import (
+    CacheDir,
+    JsonOut,
+    console,
+    file_writer,
+    progress_bar,
+    progress_reporter,
+    write_figures,
+)
+from galewood.pipeline.stages import BuildOptions
+
+if TYPE_CHECKING:
+    from galewood.util import MeshError
+
+Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
+Artefacts = Annotated[
+    Path | None,
+    typer.Option(
+        "--artefacts",
+        file_okay=False,
+        help="Folder for the pictures and the preliminary tables, written as soon as they exist.",
+    ),
+]
+
+
+AllTrees = Annotated[
+    bool,
+    typer.Option(
+        "--all-trees",
+        help="Build every tree of a file with several: OUT-1.gwt, ... A failure does not stop the rest.",
+    ),
+]
+
+
+@with_options_of(BuildOptions, without=("wood",))
+def build(
+    mesh: Mesh,
+    out: Out,
+    all_trees: AllTrees = False,
+    wood_properties: WoodFile = None,
+    artefacts: Artefacts = None,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+    **chosen: Any,
+) -> None:
+    """Simulate a tree mesh and write its motion table, and the mesh that the table moves."""
+    from galewood.util import MeshError
+
+    options = validated(BuildOptions, {**chosen, "wood": wood_document(wood_properties)})
+    jobs = [(options, out, artefacts, json_out)]
+    try:
+        if all_trees:
+            jobs = _job_per_tree(mesh, options, out, artefacts, json_out)
+    except MeshError as error:
+        _fail(error)
+    failed = 0
+    for one, to, pictures, figures in jobs:
+        try:
+            _build_one(mesh, one, to, pictures, cache_dir, figures)
+        except MeshError as error:
+            failed += 1
+            _fail(error, stop=len(jobs) == 1)
+    if failed:
+        console.print(f"[red]{failed} of {len(jobs)} trees failed.[/red]")
+        raise typer.Exit(1)
+
+
+def _fail(error: MeshError, stop: bool = True) -> None:
+    console.print(f"[red]{error.title}[/red] {error.hint}")
+    if stop:
+        raise typer.Exit(1) from None
+
+
+def _job_per_tree(
+    mesh: Path, options: BuildOptions, out: Path, artefacts: Path | None, json_out: Path | None
+) -> list[tuple[BuildOptions, Path, Path | None, Path | None]]:
+    """For each tree of the file its options and its files. The unit is that of the first. MeshError."""
+    from galewood.formats import mesh_with_companions
+    from galewood.tree import import_mesh_sandboxed
+
+    first, _ = import_mesh_sandboxed(mesh_with_companions(mesh), mesh.name, options)
+    trees, unit = first.report["trees"], first.report["unit"]["value"]
+    console.print(f"{len(trees)} trees in the file")
+
+    def numbered(path: Path | None, number: int) -> Path | None:
+        return path and path.with_name(f"{path.stem}-{number}{path.suffix}")
+
+    return [
+        (
+            options.model_copy(
+                update={"tree": t["number"]}
+                | ({"height_m": t["height_m"]} if unit in ("given", "unknown") else {})
+            ),
+            out.with_name(f"{out.stem}-{t['number']}{out.suffix}"),
+            numbered(artefacts, t["number"]),
+            numbered(json_out, t["number"]),
+        )
+        for t in trees
+    ]
+
+
+def _build_one(
+    mesh: Path,
+    options: BuildOptions,
+    out: Path,
+    artefacts: Path | None,
+    cache_dir: Path,
+    json_out: Path | None,
+) -> None:
+    """Build one tree. MeshError."""
+    from galewood.formats import mesh_with_companions
+    from galewood.pipeline.stages import (
+        bare_path,
+        build_table,
+        expected_motion,
+        import_lines,
+        motion_lines,
+        tree_lines,
+    )
+    from galewood.solid.skinning import distortion_line
+    from galewood.tree import TreeMesh
+
+    def report_import(tree: TreeMesh) -> None:
+        for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.own_wood))]:
+            console.print(line, highlight=False, markup=False)
+        for warning in tree.report["warnings"]:
+            console.print(f"[yellow]Warning:[/yellow] {warning}")
+
+    with progress_bar() as bar:
+        report = progress_reporter(bar)
+        result = build_table(
+            mesh_with_companions(mesh),
+            mesh.name,
+            options,
+            progress=lambda now: report(now.fraction, now.message),
+            cache_dir=cache_dir,
+            publish=file_writer(artefacts) if artefacts else None,
+            on_import=report_import,
+        )
+    out.parent.mkdir(parents=True, exist_ok=True)
+    table = result.whole_table()
+    out.write_bytes(table)
+    out.with_suffix(".glb").write_bytes(result.render_glb)
+    if result.bare_table:
+        bare_path(out).write_bytes(result.bare_table)
+        bare_path(out).with_suffix(".glb").write_bytes(result.render_glb)
+    write_figures(json_out, {**result.report, "table_bytes": len(table)})
+    rest_pose = result.report["model"]["rest_pose"]
+    for warning in [rest_pose[name] for name in ("warning", "note") if name in rest_pose]:
+        console.print(f"[yellow]Warning:[/yellow] {warning}")
+    for line in tree_lines(result.report["tree"]):
+        console.print(line)
+    if line := distortion_line(result.report["drawn"]):
+        console.print(line)
+    seconds = sum(result.report["seconds"].values())
+    console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")
+    if result.bare_table:
+        console.print(f"{bare_path(out)}: the same tree without its leaves")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    app.command()(build)

@@ -1,0 +1,64 @@
+"""`galewood check`: reads a mesh as a build does and reports what it found, before anything is computed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from galewood.io.cli.request_options import Mesh, validated, with_options_of
+from galewood.io.cli.tools import JsonOut, console, write_figures
+from galewood.options import ImportRequest
+
+WITH_WARNINGS = 3
+"""Exit code of --strict if there are warnings."""
+Preview = Annotated[
+    Path | None,
+    typer.Option(
+        dir_okay=False, help="Draw the imported tree to this PNG file; wood that was added is blue."
+    ),
+]
+Strict = Annotated[
+    bool, typer.Option("--strict", help=f"Exit with code {WITH_WARNINGS} if there are warnings.")
+]
+PREVIEW_PX = 768
+
+
+@with_options_of(ImportRequest)
+def check(
+    mesh: Mesh, preview: Preview = None, strict: Strict = False, json_out: JsonOut = None, **chosen: Any
+) -> None:
+    """Inspect a tree mesh: parts, assumptions, warnings, first frequency and expected sway.
+
+    Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings (only with --strict).
+    """
+    from galewood.formats import mesh_with_companions
+    from galewood.pipeline.pictures import draw_limited
+    from galewood.pipeline.stages import EXPECTED_MOTION, import_lines, motion_lines
+    from galewood.tree import import_mesh_sandboxed
+    from galewood.util import MeshError
+
+    options = validated(ImportRequest, chosen)
+    data = mesh_with_companions(mesh)
+    try:
+        tree, glb = import_mesh_sandboxed(data, mesh.name, options, then=EXPECTED_MOTION)
+        if preview is not None:
+            preview.parent.mkdir(parents=True, exist_ok=True)
+            preview.write_bytes(draw_limited(glb, PREVIEW_PX, tree.added_wood()))
+    except MeshError as error:
+        console.print(f"[red]{error.title}[/red] {error.hint}")
+        raise typer.Exit(1) from None
+    write_figures(json_out, tree.report)
+    for line in [*import_lines(tree.report), *motion_lines(tree.report["expected"])]:
+        console.print(line, highlight=False, markup=False)
+    warnings = tree.report["warnings"]
+    for warning in warnings:
+        console.print(f"[yellow]Warning:[/yellow] {warning}")
+    if strict and warnings:
+        raise typer.Exit(WITH_WARNINGS)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    app.command()(check)

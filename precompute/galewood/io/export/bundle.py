@@ -1,0 +1,129 @@
+"""One export of a tree, of any kind, as files in a folder."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from galewood.io.export.errors import ExportError
+from galewood.io.export.glb import animated_glb, linear_error_percent
+from galewood.io.export.gltf_file import GltfFile
+from galewood.io.export.looped import Loop, looped, seam_percent
+from galewood.io.export.options import FORMATS, KINDS, ExportOptions
+from galewood.io.export.pivots import export_pivots
+from galewood.io.export.skeletal.bones import export_bones
+from galewood.io.export.usd.stage import export_usd
+from galewood.io.export.vat import export_vat
+from galewood.motion.wind import parse_wind
+from galewood.table import Table
+
+FEWEST_BONES = 4
+OnProgress = Callable[[float, str], None]
+
+
+def write_export(
+    table: Table,
+    glb: bytes,
+    kind: str,
+    folder: Path,
+    name: str,
+    options: ExportOptions | None = None,
+    on_progress: OnProgress | None = None,
+) -> dict[str, Any]:
+    """Write an export of a tree to ``folder``, which is created; return its description.
+
+    Args:
+        table: The table.
+        glb: The mesh that the table moves.
+        kind: One of KINDS.
+        folder: Where to write.
+        name: Name of the files, without ending.
+        options: What to export.
+        on_progress: Receives the completed fraction and a message.
+
+    Raises:
+        ExportError: An option is out of range, the mesh is another tree's, or a package is missing.
+    """
+    chosen, report = options or ExportOptions(), on_progress or _no_progress
+    _check(kind, chosen)
+    report(0.0, "Playing the wind until the motion repeats")
+    loop = looped(table, chosen.wind, chosen.loop_s, chosen.fps)
+    folder.mkdir(parents=True, exist_ok=True)
+    report(0.4, "Writing and measuring the files")
+    description = _write(table, glb, kind, folder, name, chosen, loop)
+    report(1.0, "Done")
+    return description
+
+
+def _check(kind: str, options: ExportOptions) -> None:
+    if kind not in KINDS:
+        raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
+    if options.format not in FORMATS:
+        raise ExportError(f"there is no texture format {options.format!r}; choose {' or '.join(FORMATS)}")
+    if options.bones < FEWEST_BONES:
+        raise ExportError(f"a skeleton needs at least {FEWEST_BONES} bones, not {options.bones}")
+
+
+def _write(
+    table: Table, glb: bytes, kind: str, folder: Path, name: str, options: ExportOptions, loop: Loop
+) -> dict[str, Any]:
+    if kind == "vat":
+        return export_vat(table, glb, loop, folder, name, options.format)
+    if kind == "bones":
+        return export_bones(table, glb, loop, folder, name, options.bones)
+    if kind == "pivots":
+        return export_pivots(table, glb, loop, folder, name, options.bones)
+    if kind == "usd":
+        return export_usd(table, glb, loop, folder, name)
+    return _export_glb(table, glb, loop, folder, name)
+
+
+def _export_glb(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
+    closed = np.concatenate([loop.steps, loop.steps[:1]])
+    (folder / f"{name}.glb").write_bytes(animated_glb(table, glb, closed))
+    rest_m = GltfFile(glb, table).rest_m()
+    poses = loop.steps[:: max(1, len(loop.steps) // 24)]
+    description = {
+        "format": "galewood-glb",
+        "version": 1,
+        "mesh": f"{name}.glb",
+        "animation": "sway",
+        "seconds": loop.seconds,
+        "height_m": float(table.metadata["height_m"]),
+        "wind": loop.wind.document(),
+        "measured": {
+            "error_percent_of_height": linear_error_percent(table, rest_m, poses),
+            "seam_percent_of_height": seam_percent(table, rest_m, loop),
+        },
+    }
+    (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
+    return description
+
+
+def archive(folder: Path) -> bytes:
+    """The files of a folder as a ZIP archive; the same bytes for the same files."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as packed:
+        for path in sorted(folder.iterdir()):
+            about = zipfile.ZipInfo(path.name, (1980, 1, 1, 0, 0, 0))
+            compressed = path.suffix in (".exr", ".png", ".jpg")
+            about.compress_type = zipfile.ZIP_STORED if compressed else zipfile.ZIP_DEFLATED
+            packed.writestr(about, path.read_bytes())
+    return stream.getvalue()
+
+
+def options_of(document: str) -> ExportOptions:
+    """The options of a JSON text that ``ExportOptions.document`` made. Raises WindError."""
+    fields: dict[str, Any] = json.loads(document)
+    fields["wind"] = parse_wind(fields["wind"])
+    return ExportOptions(**fields)
+
+
+def _no_progress(fraction: float, message: str) -> None:
+    pass

@@ -1,0 +1,1 @@
+"""Skeletons, skinning weights and animated bones of a moving tree."""

@@ -1,0 +1,1 @@
+"""USD stages of a moving tree."""

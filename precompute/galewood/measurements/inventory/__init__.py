@@ -1,0 +1,19 @@
+"""Forests from inventories: rows of stems (CSV, GeoJSON) to trees of known species, places and heights."""
+
+from galewood.measurements.inventory.columns import is_inventory
+from galewood.measurements.inventory.errors import InventoryError
+from galewood.measurements.inventory.projection import local_m
+from galewood.measurements.inventory.reading import Inventory, Stem, read_inventory
+from galewood.measurements.inventory.report import InventoryReport
+from galewood.measurements.inventory.species import match_species
+
+__all__ = [
+    "Inventory",
+    "InventoryError",
+    "InventoryReport",
+    "Stem",
+    "is_inventory",
+    "local_m",
+    "match_species",
+    "read_inventory",
+]

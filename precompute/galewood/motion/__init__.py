@@ -1,0 +1,1 @@
+"""What every frame computes, in TypeScript too: the wind, the modal model, the paper's search."""

@@ -1,0 +1,175 @@
+"""Steps many trees by the modal model, a batch of trees at a time (docs/design/0010-kernel.md)."""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from galewood.constants import MAX_STEPS_PER_ADVANCE, MODAL_REST
+from galewood.motion.modal.drag import add_drag, drag_tensors
+from galewood.motion.modal.tensors import ModalTensors
+from galewood.motion.modal.terms import hold as hold
+from galewood.motion.modal.terms import write_force_terms, write_pose_terms, write_sway
+from galewood.util import Array, Floats
+
+BATCH_TREES = 64
+"""Trees per matrix product: few enough that BLAS stays on one core."""
+
+
+@numba.njit(cache=True, nogil=True)
+def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
+    """Advance all trees of a batch by one table step: linear step, polynomial force and drag."""
+    step, load, sway, force, _, _, limits, point, inputs, outputs, rest = tensors
+    e, v, pressure, ahead, pairs, terms, total, moved, _ = batch
+    write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
+    np.dot(force, terms[: force.shape[1]], total[: len(e)])
+    for k in range(len(e)):
+        a, b, _, _, s0, _ = step[k]
+        for lane in range(BATCH_TREES):
+            total[k, lane] += load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
+            # the mean speed during the step, without the drag
+            ahead[k, lane] = (a * e[k, lane] + b * v[k, lane] + s0 * total[k, lane]) * (0.5 / half_s)
+    if len(point) > 0:
+        add_drag(point, inputs, outputs, rest, ahead, pressure, moved, total[: len(e)])
+    for k in range(len(e)):
+        a, b, c, d, s0, s1 = step[k]
+        for lane in range(BATCH_TREES):
+            x, y, f = e[k, lane], v[k, lane], total[k, lane]
+            e[k, lane] = x + (a * x + b * y + s0 * f)
+            v[k, lane] = y + (c * x + d * y + s1 * f)
+
+
+@numba.njit(cache=True, nogil=True)
+def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
+    """Set trees that hardly move in still air to rest. Writes the sway of e to pairs[0]."""
+    e, v, pressure, _, pairs, _, _, _, _ = batch
+    write_sway(sway, e, pairs[0])
+    small, reach = MODAL_REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
+    for lane in range(BATCH_TREES):
+        if pressure[0, lane] != 0.0 or pressure[1, lane] != 0.0:
+            continue
+        if max(abs(pairs[0, 0, lane]), abs(pairs[0, 1, lane])) > small:
+            continue
+        vx, vy, largest = 0.0, 0.0, 0.0
+        for k in range(len(e)):
+            vx += sway[0, k] * v[k, lane]
+            vy += sway[1, k] * v[k, lane]
+            largest = max(largest, abs(e[k, lane]))
+        if max(abs(vx), abs(vy)) <= MODAL_REST * limits[1] and largest * reach < small:
+            e[:, lane] = 0.0
+            v[:, lane] = 0.0
+            pairs[0, :, lane] = 0.0
+
+
+@numba.njit(cache=True, nogil=True)
+def _write_poses(tensors, batch, count, state):  # pragma: no cover  (compiled)
+    """Move ``now`` to ``before``, write the new poses to ``now``, and the extrapolation ratios."""
+    _, _, _, _, shown, pose, limits, _, _, _, _ = tensors
+    e, _, pressure, _, pairs, terms, total, _, tree = batch
+    _, _, _, now, before, extrapolation_ratio = state
+    d = len(e)
+    for lane in range(count):
+        x, y = pairs[0, 0, lane], pairs[0, 1, lane]
+        px, pz = pressure[0, lane], pressure[1, lane]
+        extrapolation_ratio[tree[lane]] = max(
+            np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2]
+        )
+    write_pose_terms(limits, e, pressure, pairs[0], terms)
+    np.dot(pose, terms[: pose.shape[1]], total[: len(pose)])
+    for lane in range(count):
+        i = tree[lane]
+        for k in range(d):
+            before[i, k] = now[i, k]
+            now[i, k] = shown[k] * e[k, lane]
+        for k in range(len(pose)):
+            before[i, d + k] = now[i, d + k]
+            now[i, d + k] = total[k, lane]
+
+
+@numba.njit(cache=True, nogil=True)
+def _step_trees(tensors, half_s, batch, count, state):  # pragma: no cover  (compiled)
+    """Step the ``count`` trees whose indices are in the batch."""
+    own_e, own_v, pressure, _, _, _, _, _, tree = batch
+    e, v, turned, _, _, _ = state
+    for lane in range(count):
+        i = tree[lane]
+        pressure[0, lane], pressure[1, lane] = turned[i, 0], turned[i, 1]
+        for k in range(len(own_e)):
+            own_e[k, lane], own_v[k, lane] = e[i, k], v[i, k]
+    _step(tensors, half_s, batch)
+    _settle(tensors[2], tensors[6], batch)
+    for lane in range(count):
+        i = tree[lane]
+        for k in range(len(own_e)):
+            e[i, k], v[i, k] = own_e[k, lane], own_v[k, lane]
+    _write_poses(tensors, batch, count, state)
+
+
+@numba.njit(cache=True, nogil=True)
+def advance_trees(
+    tensors, half_s, batch, rate, turn, pressure, phase, state, q
+):  # pragma: no cover  (compiled)
+    """Advance all trees by ``rate`` steps each (count,) and write the interpolated poses to q.
+
+    q is (count, r or more).
+
+    ``tensors`` is from ``float64_tensors``, ``batch`` from ``working_room``; ``half_s`` is half a step, s.
+    ``turn`` is cosine and sine of the yaw, ``pressure`` along x and z, (count,) Pa. Updates phase (count,)
+    and ``state`` in place: e, v (count, d), the pressures in the frames of the trees (count, 2), the poses of
+    the last step and of that before (count, r), and the extrapolation ratios (count,).
+    """
+    pressure_x, pressure_z = pressure
+    _, _, turned, now, before, _ = state
+    for i in range(len(phase)):
+        turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
+        turned[i, 1] = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
+        phase[i] += rate[i]
+    tree = batch[8]
+    for _ in range(MAX_STEPS_PER_ADVANCE):
+        count = stepped = 0
+        for i in range(len(phase)):
+            if phase[i] >= 1.0:
+                phase[i] -= 1.0
+                tree[count] = i
+                count += 1
+            if count == BATCH_TREES or (count > 0 and i == len(phase) - 1):
+                _step_trees(tensors, half_s, batch, count, state)
+                stepped += count
+                count = 0
+        if stepped == 0:
+            break
+    for i in range(len(phase)):
+        phase[i] -= np.floor(phase[i])
+        for k in range(now.shape[1]):
+            q[i, k] = before[i, k] + (now[i, k] - before[i, k]) * phase[i]
+
+
+def float64_tensors(modal: ModalTensors) -> tuple[Floats, ...]:
+    """The tensors in float64, as the step uses them; force (d, F) and pose (r − d, terms) are transposed.
+
+    The last four are those of the drag (``drag_tensors``).
+    """
+    t = modal
+    tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
+    wide = tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
+    return *wide, *drag_tensors(t.drag_point, t.drag_shape, t.drag_rest)
+
+
+def working_room(modal: ModalTensors) -> tuple[Array, ...]:
+    """Work arrays of a batch: e, v, pressure, prediction, pairs, terms, sums, drag, and tree indices."""
+    d = len(modal.step)
+    terms = max(len(modal.force), len(modal.pose))
+    heights = (d, d, 2, d)
+    rooms = [np.zeros((height, BATCH_TREES)) for height in heights]
+    total = np.zeros((max(d, modal.pose.shape[1]), BATCH_TREES))
+    moved = np.zeros((3 * len(modal.drag_point) + 6, BATCH_TREES))
+    return (
+        *rooms,
+        np.zeros((3, 2, BATCH_TREES)),
+        np.zeros((terms, BATCH_TREES)),
+        total,
+        moved,
+        np.zeros(BATCH_TREES, np.int64),
+    )

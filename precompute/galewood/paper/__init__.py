@@ -1,6 +1,0 @@
-"""The experiments of the paper, repeated on real trees."""
-
-from galewood.paper.plan import full_plan, quick_plan
-from galewood.paper.run import run_paper
-
-__all__ = ["full_plan", "quick_plan", "run_paper"]

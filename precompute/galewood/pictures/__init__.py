@@ -1,6 +1,0 @@
-"""Pictures of a build and thumbnails of trees, as PNG bytes."""
-
-from galewood.pictures.drawing import skeleton_png, tetrahedra_png
-from galewood.pictures.thumbnail import draw_limited
-
-__all__ = ["draw_limited", "skeleton_png", "tetrahedra_png"]

@@ -1,0 +1,6 @@
+"""Pictures of a build and thumbnails of trees, as PNG bytes."""
+
+from galewood.pipeline.pictures.drawing import skeleton_png, tetrahedra_png
+from galewood.pipeline.pictures.thumbnail import draw_limited
+
+__all__ = ["draw_limited", "skeleton_png", "tetrahedra_png"]

@@ -1,0 +1,77 @@
+"""The modal model that needs no simulation: natural modes, their damping and wind loads, linear pose.
+
+It is exact for small sway. What it leaves out is what the other model is fitted to: the change of stiffness,
+damping and wind load with the sway, and the curved paths of branches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from galewood.motion.modal import ModalTensors, force_terms, shape_terms
+from galewood.pipeline.reduction.drag_points import drag_points
+from galewood.pipeline.reduction.modal_runs import ModalRun, sampled_range, sway_coordinates, typical_speed
+from galewood.pipeline.reduction.oscillators import (
+    Oscillators,
+    first_of,
+    leading_oscillators,
+    propagators,
+    response,
+)
+from galewood.pipeline.reduction.pod import Subspace, spanned_by
+from galewood.pipeline.reduction.training import SIZES
+from galewood.solid.fem import FemSettings
+from galewood.util import Floats
+
+
+@dataclass(frozen=True)
+class LinearMotion:
+    """A linear modal model, its output modes, and its motion under the given winds."""
+
+    modal: ModalTensors
+    subspace: Subspace
+    q: list[Floats]
+    """(T + 1, r) output modes under each wind."""
+
+
+def linear_motion(
+    body: Oscillators, mass_kg: Floats, winds_pa: Sequence[Floats], settings: FemSettings
+) -> LinearMotion:
+    """The linear model of a body, and its motion under winds (T, 2) Pa.
+
+    ``mass_kg`` (n,) are the masses of the vertices of the shapes.
+    """
+    size = SIZES[0]
+    own = leading_oscillators(first_of(body, size.natural), settings, size.dynamic)
+    subspace = spanned_by(own.shapes, mass_kg)
+    step = propagators(own.omega, np.diag(own.damping), settings)
+    runs = [_linear_run(own, step, subspace.scale, wind, settings.dt_s) for wind in winds_pa]
+    sway = sway_coordinates(own, runs)
+    limits = sampled_range(sway, runs, 0)
+    step[:, [0, 3]] -= 1.0
+    d = len(own.omega)
+    none = np.zeros((force_terms(0), d)), np.zeros((d + 2 + shape_terms(0), 0))
+    drag = drag_points(own, typical_speed(runs))
+    tensors = (
+        step,
+        own.load,
+        sway,
+        none[0],
+        subspace.scale,
+        none[1],
+        limits,
+        drag.point,
+        drag.shape,
+        drag.rest,
+    )
+    modal = ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
+    return LinearMotion(modal, subspace, [run.q for run in runs])
+
+
+def _linear_run(own: Oscillators, step: Floats, shown: Floats, wind_pa: Floats, dt_s: float) -> ModalRun:
+    force = wind_pa @ own.load.T
+    e = np.concatenate([response(row, force[:, k : k + 1]) for k, row in enumerate(step)], axis=1)
+    return ModalRun(wind_pa, e, np.gradient(e, dt_s, axis=0), e * shown)

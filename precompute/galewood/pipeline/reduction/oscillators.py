@@ -1,0 +1,179 @@
+"""The oscillators of the modal model: the linear motion of a tree in few coordinates.
+
+The natural modes of the finite-element model are many and closely spaced, while the wind loads only two
+spatial fields. The responses of many natural modes to two oscillating winds are therefore reduced by proper
+orthogonal decomposition (POD); the model is projected on the result and diagonalised (Rayleigh–Ritz).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from galewood.pipeline.sampling import GOLDEN_RAD, noise
+from galewood.solid.fem import FemModel, FemSettings, natural_modes
+from galewood.util import Floats
+
+NATURAL_MODES = 120
+REDUCTION_PERIODS_S = (3.0, 2.5)
+"""Periods of the winds whose linear responses select the oscillators.
+
+Smooth, as in noise fast modes that hardly move the tree would displace slow ones where oscillators are few.
+"""
+REDUCTION_DEPTH = 0.5
+REDUCTION_S = 6.0
+GUSTY_WINDS, GUSTY_S = 14, 10.0
+"""Additional noise, which selects the modes beyond the first ones if there are many oscillators."""
+GUSTY_MEAN, GUSTY_INTENSITY, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """Wind exposure of a body's vertices, as `galewood.solid.fem.Drag` uses it."""
+
+    area_m2: Floats  # (n,) without shelter
+    share: Floats  # (n,) drag area with shelter over that without
+    profile: Floats  # (n,) wind speed over that at the top
+    place_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))  # (n, 3) at rest, m
+
+
+NOT_EXPOSED = Exposure(np.zeros(0), np.ones(0), np.ones(0))
+"""Of a body whose wind load does not depend on its motion."""
+
+
+@dataclass(frozen=True)
+class Oscillators:
+    """Mass-normalised modes of a body about its rest pose: ë + C ė + ω² e = load p, u = Σ e_k shape_k.
+
+    The load is the wind's force on the body at rest; ``exposure`` determines how it changes with the motion.
+    """
+
+    omega: Floats  # (k,) 1/s
+    damping: Floats  # (k, k) 1/s
+    shapes: Floats  # (k, 3n) 1/√kg
+    load: Floats  # (k, 2) modal force per Pa
+    exposure: Exposure = NOT_EXPOSED
+
+
+def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
+    """The first natural modes of a finite-element model and their damping (α, β on the element tangent)."""
+    free = 3 * (len(model.nodes_m) - len(model.fixed))
+    modes = natural_modes(model, min(count, free // 2))
+    shapes = modes.shapes
+    damping = model.alpha * np.eye(len(shapes)) + model.beta * _elastic(model, shapes)
+    load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
+    of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
+    drag = model.drag()
+    parts = (drag.exposed_m2, drag.share, drag.profile, model.nodes_m + model.u_rest)
+    exposure = Exposure(*(values[: model.vertex_count] for values in parts))
+    return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
+
+
+def first_of(body: Oscillators, count: int) -> Oscillators:
+    """The same body with only its first ``count`` modes."""
+    return replace(
+        body,
+        omega=body.omega[:count],
+        damping=body.damping[:count, :count],
+        shapes=body.shapes[:count],
+        load=body.load[:count],
+    )
+
+
+def _elastic(model: FemModel, shapes: Floats) -> Floats:
+    """(k, k) tangent of the elements at rest in the shapes (k, N, 3), without the contribution of gravity."""
+    system = model.system()
+    u, nothing = model.u_rest[system.order], np.zeros(len(model.nodes_m))
+    still = np.zeros_like(u)
+    system.assemble(u, still, 1.0, nothing, np.zeros_like(u))
+    inner = shapes[:, system.order[: system.free]].reshape(len(shapes), -1)
+    return np.asarray(inner @ (system.solver.to_scipy(system.values) @ inner.T))
+
+
+def propagators(omega: Floats, damping: Floats, settings: FemSettings) -> Floats:
+    """(k, 6) one table step of each oscillator: r00, r01, r10, r11, s0, s1.
+
+    It is exact, so that the fit does not reproduce the error of the FEM's steps. Backward Euler, whose error
+    is large, keeps its own steps.
+    """
+    from scipy.linalg import expm  # slow to load
+
+    eye = np.eye(2)
+    rows = np.empty((len(omega), 6))
+    for k, (w, c) in enumerate(zip(omega, damping, strict=True)):
+        rate = np.array([[0.0, 1.0], [-w * w, -c]])
+        if settings.scheme == "backward-euler":
+            substeps = max(settings.substeps, 1)
+            step = np.linalg.matrix_power(np.linalg.inv(eye - settings.dt_s / substeps * rate), substeps)
+        else:
+            step = expm(settings.dt_s * rate)
+        rows[k] = *step.ravel(), *((step - eye) @ np.linalg.inv(rate) @ np.array([0.0, 1.0]))
+    return rows
+
+
+def response(step: Floats, force: Floats) -> Floats:
+    """(T + 1, m) motion from rest of one oscillator (6,) under stepwise constant forces (T, m)."""
+    from scipy.signal import lfilter  # slow to load
+
+    r00, r01, r10, r11, s0, s1 = step
+    poles = [1.0, -(r00 + r11), r00 * r11 - r01 * r10]
+    moved = lfilter([s0, r01 * s1 - r11 * s0], poles, force, axis=0)
+    return np.concatenate([np.zeros((1, force.shape[1])), moved])
+
+
+def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, dynamic: int) -> Oscillators:
+    """The ``dynamic`` Ritz oscillators that best represent the motion of the body under the winds (T, 2) Pa.
+
+    They are sorted by how far they move the tree, the largest first.
+    """
+    dynamic = min(dynamic, len(body.omega))
+    step = propagators(body.omega, np.diag(body.damping), settings)
+    motion = np.concatenate([_linear_motion(body, step, wind) for wind in winds])
+    root = np.linalg.cholesky(body.shapes @ body.shapes.T)
+    _, vectors = np.linalg.eigh(root.T @ (motion.T @ motion) @ root)
+    kept, _ = np.linalg.qr(np.linalg.solve(root.T, vectors[:, ::-1][:, :dynamic]))
+    squared, turn = np.linalg.eigh(kept.T @ (body.omega[:, None] ** 2 * kept))
+    mix = (kept @ turn).T
+    far = np.sqrt(((mix @ body.shapes).reshape(dynamic, -1, 3) ** 2).sum(axis=2).max(axis=1))
+    order = np.argsort(-far * np.sqrt(((motion @ mix.T) ** 2).mean(axis=0)), kind="stable")
+    squared, mix = squared[order], mix[order]
+    mix *= np.sign(mix[np.arange(dynamic), np.argmax(np.abs(mix), axis=1)])[:, None]
+    mixed = (mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
+    return Oscillators(np.sqrt(squared), *mixed, body.exposure)
+
+
+def leading_oscillators(
+    body: Oscillators, settings: FemSettings, dynamic: int, *, gusty: bool = False
+) -> Oscillators:
+    """The ``dynamic`` oscillators that best represent the linear motion of a body in oscillating winds.
+
+    With ``gusty`` also in noise, for many oscillators.
+    """
+    winds = reduction_winds(settings.dt_s) + (gusty_winds(settings.dt_s) if gusty else [])
+    return reduced(body, winds, settings, dynamic)
+
+
+def reduction_winds(dt_s: float) -> list[Floats]:
+    """Winds (T, 2) along x and along z, of pressure about 1: a linear response needs no scale."""
+    time_s = np.arange(round(REDUCTION_S / dt_s)) * dt_s
+    series = [1.0 - REDUCTION_DEPTH * np.cos(2 * np.pi * time_s / s) for s in REDUCTION_PERIODS_S]
+    return [np.outer(pressure, side) for pressure in series for side in np.eye(2)]
+
+
+def gusty_winds(dt_s: float) -> list[Floats]:
+    """Noise (T, 2) with varying headings, of the same unit; the same for every tree."""
+    rng, frames = np.random.default_rng(3), round(GUSTY_S / dt_s)
+    winds: list[Floats] = []
+    for k in range(GUSTY_WINDS):
+        pressure = GUSTY_MEAN * (1.0 + GUSTY_INTENSITY * noise(rng, frames, dt_s, 5 / 3))
+        heading = k * GOLDEN_RAD + GUSTY_TURN_RAD * noise(rng, frames, dt_s, 2.0)
+        winds.append(pressure[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1))
+    return winds
+
+
+def _linear_motion(body: Oscillators, step: Floats, wind: Floats) -> Floats:
+    """(T / 3, k) every third frame of the linear motion of the oscillators under a wind (T, 2) Pa."""
+    moved = [response(step[k], (wind @ body.load[k])[:, None])[::3] for k in range(len(body.omega))]
+    return np.concatenate(moved, axis=1)

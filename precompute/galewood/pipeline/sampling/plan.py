@@ -1,0 +1,122 @@
+"""The simulation runs of a table: their winds, order and storage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from galewood.pipeline.sampling.recording import (
+    COSINE_PREFIX,
+    SampledRun,
+    SampleWind,
+    StoredRun,
+    sample_winds,
+)
+from galewood.pipeline.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
+from galewood.util import Array
+
+if TYPE_CHECKING:
+    from galewood.solid.fem import FemModel
+
+UNRECORDED_PREFIXES = tuple(f"{COSINE_PREFIX}{k}-" for k in (0, 2, 4))
+"""Cosine winds without which the paper's method errs no more (docs/design/0013-training-runs.md)."""
+FIRST_DEFAULT = slice(0, None, 3)
+"""The early table uses every third run of the default method."""
+
+
+class TrainingWinds(Protocol):
+    """The winds of the default method's runs, and those of the additional runs for trees that bend far."""
+
+    @property
+    def default(self) -> Sequence[SampleWind]: ...
+    @property
+    def further(self) -> Sequence[SampleWind]: ...
+
+
+@dataclass(frozen=True)
+class Samples:
+    """The runs of a table; those of the default method and of the paper's state search are disjoint."""
+
+    default: Sequence[SampleTask]
+    """The runs that the modal model is fitted to; each follows the FEM dynamics to its end."""
+    paper: Sequence[SampleTask]
+    """The runs whose states are recorded for the paper's state search."""
+    further: Sequence[SampleTask] = ()
+    """Additional runs for the modal model, only for trees that deflect strongly."""
+
+    @property
+    def winds(self) -> list[SampleWind]:
+        return [task.wind for task in (*self.default, *self.paper)]
+
+    @property
+    def ready(self) -> bool:
+        """Whether all runs of the default method exist."""
+        return all(task.path.exists() for task in self.default)
+
+    def default_runs(self) -> list[SampledRun]:
+        return [StoredRun(task.path) for task in self.default]
+
+    def paper_runs(self) -> list[SampledRun]:
+        return [StoredRun(task.path) for task in self.paper]
+
+    def further_runs(
+        self, runner: TrajectoryRunner, on_progress: Callable[[float], None]
+    ) -> list[SampledRun]:
+        """The additional runs of the modal model, simulated now if they are missing."""
+        runner(self.further, lambda number: on_progress(number / max(len(self.further), 1)))
+        return [StoredRun(task.path) for task in self.further]
+
+    def first(self) -> Samples:
+        """The runs of the early table, in the same order."""
+        return Samples(self.default[FIRST_DEFAULT], ())
+
+
+def plan_samples(
+    model: FemModel,
+    speed_m_s: float,
+    points: Array,
+    cache_dir: Path,
+    training: TrainingWinds,
+    *,
+    frames: int = 180,
+    all_winds: bool = False,
+) -> Samples:
+    """The training winds, and the paper's winds up to the given speed, recorded at the given vertices.
+
+    ``frames`` is the length of each of the paper's cosine winds. Three of the six are recorded, in six
+    directions, or with ``all_winds`` all six.
+    """
+    paper = sample_winds(speed_m_s, model.settings.dt_s, frames)
+    tasks = iter(sample_tasks(model, [*training.default, *paper, *training.further], points, cache_dir))
+    own, every, more = (
+        list(islice(tasks, len(some))) for some in (training.default, paper, training.further)
+    )
+    recorded = [task for task in every if not task.wind.name.startswith(UNRECORDED_PREFIXES)]
+    return Samples(own, every if all_winds else recorded, more)
+
+
+def simulate(
+    samples: Samples,
+    runner: TrajectoryRunner,
+    on_progress: Callable[[float], None],
+    at_first: Callable[[], None],
+) -> None:
+    """Simulate the missing runs of the default method, those of the early table first.
+
+    ``at_first`` is called as soon as the first ones are complete, unless they are the only ones.
+    """
+    first = samples.first()
+    taken = {task.path for task in first.default}
+    others = [task for task in samples.default if task.path not in taken]
+    tasks, waiting = [*first.default, *others], [at_first]
+    frames = [len(task.wind.pressure_pa) for task in tasks]
+
+    def done(number: int) -> None:
+        on_progress(sum(frames[:number]) / sum(frames))
+        if waiting and number < len(tasks) and first.ready:
+            waiting.pop()()
+
+    runner(tasks, done)

@@ -1,0 +1,251 @@
+"""Assembles the parts of a table: the default method's first and final table, and the paper's records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from galewood.constants import TABLE_FORMAT, TABLE_VERSION
+from galewood.motion.modal import ModalTensors
+from galewood.motion.search import (
+    Compared,
+    InternalStates,
+    Rule,
+    air_of,
+    build_search,
+    compared,
+    typical_error,
+)
+from galewood.pipeline.reduction import (
+    GustModes,
+    ModalTraining,
+    Oscillators,
+    Subspace,
+    fit_smallest,
+    gust_modes,
+    gust_range,
+    linear_motion,
+    quantise,
+    quantum,
+)
+from galewood.pipeline.sampling import SampledRun, SampleWind
+from galewood.pipeline.stages.options import TableSettings
+from galewood.pipeline.stages.surface import RenderMesh
+from galewood.solid.fem import FemSettings
+from galewood.solid.skinning import MotionSamples, Skin, make_skin, with_attached_pieces
+from galewood.table import Metadata, Records, Table
+from galewood.util import Array, Floats
+
+REACH_MARGIN = 1.5
+"""Allowance for motion beyond that of the training runs, as in pressures beyond the sampled range."""
+
+
+@dataclass(frozen=True)
+class TableContext:
+    """What a table contains besides its motion."""
+
+    mass_kg: Floats  # (n,) of the tet vertices
+    mesh: RenderMesh
+    description: Metadata
+    """Species, height, time step, design wind and provenance."""
+    settings: TableSettings
+
+    @property
+    def height_m(self) -> float:
+        """Height of the tree, m."""
+        return float(self.description["height_m"])
+
+
+@dataclass(frozen=True)
+class DefaultPart:
+    """A table without the paper's records, and its modes on the tet vertices."""
+
+    table: Table
+    subspace: Subspace
+
+
+def assemble_first(
+    body: Oscillators, winds_pa: Sequence[Floats], fem: FemSettings, of: TableContext
+) -> Table:
+    """A table from the natural modes alone: linear motion, without any simulation.
+
+    ``winds_pa`` (T, 2) are the winds whose motion decides which vertices share a node.
+    """
+    linear = linear_motion(body, of.mass_kg, winds_pa, fem)
+    motion = ModalMotion(linear.modal, linear.subspace, linear.q, winds_pa)
+    return _table(motion, gust_modes(body, fem), {}, of)
+
+
+def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
+    """The table of the default method, fitted to the training runs."""
+    tolerance_m = of.settings.truncation_share * of.height_m
+    fitted = fit_smallest(training, of.mass_kg, of.height_m, tolerance_m)
+    subspace = fitted.subspace
+    errors = {
+        "truncation_max_m": subspace.max_error_m,
+        "truncation_energy": subspace.energy_left,
+        "training_m": fitted.training_error_m,
+    }
+    q = [subspace.project(run.displacement_m) for run in training.runs]
+    of = replace(of, mesh=of.mesh.smoothed(subspace.basis, np.concatenate(q)))
+    winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
+    motion = ModalMotion(fitted.modal, subspace, q, winds_pa)
+    layer = gust_modes(training.body, training.scheme)
+    table = _table(motion, layer, errors, of)
+    if of.mesh.distortion:
+        table = with_attached_pieces(table, of.mesh.distortion, q)
+        table.metadata["drawn"] = of.mesh.distortion.of(table, q)
+    return DefaultPart(table, subspace)
+
+
+def assemble_records(
+    runs: Sequence[SampledRun],
+    winds: Sequence[SampleWind],
+    default: DefaultPart,
+    settings: TableSettings,
+    on_progress: Callable[[float], None] = lambda fraction: None,
+) -> Records:
+    """The records of the paper's state search in the modes of a table.
+
+    ``on_progress`` gets the fraction done and may raise to cancel.
+    """
+    scale = default.table.mode_scale
+    motion = quantise((default.subspace.project(run.displacement_m) for run in runs), scale[0])
+    starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
+    pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
+    on_progress(0.05)
+    states = internal_states(runs)
+    layout = compared(states)
+    weight = weights(layout, states.components, settings)
+    sigma_pa = settings.sigma_share * spread_pa(pressure)
+    rule = Rule(states.components, sigma_pa, weight["initial"], weight["maximum"])
+    on_progress(0.15)
+    search = build_search(layout, air_of(pressure, starts), rule, lambda f: on_progress(0.15 + 0.85 * f))
+    metadata = {
+        "records": len(motion.dq),
+        "points": states.velocity.shape[1],
+        "components": states.components,
+        "sigma_pa": sigma_pa,
+        "weight": weight,
+        "pose_easing": settings.pose_easing,
+        "winds": [wind.name for wind in winds],
+        "frames": [len(run.pressure_pa) for run in runs],
+    }
+    return Records(metadata, motion.dq, pressure, starts, search.offsets, search.record, search.mismatches)
+
+
+def assemble_table(
+    runs: Sequence[SampledRun], winds: Sequence[SampleWind], training: ModalTraining, of: TableContext
+) -> Table:
+    """A whole table: the default method from the training runs, the paper's records from ``runs``."""
+    default = assemble_default(training, of)
+    return replace(default.table, paper=assemble_records(runs, winds, default, of.settings))
+
+
+@dataclass(frozen=True)
+class ModalMotion:
+    """A modal model, and its motion q (T + 1, r) under the winds (T, 2), Pa, that it was made from."""
+
+    modal: ModalTensors
+    subspace: Subspace
+    q: Sequence[Floats]
+    winds_pa: Sequence[Floats]
+
+    @property
+    def strengths_pa(self) -> Floats:
+        """Strengths of all winds, Pa."""
+        return np.concatenate([np.linalg.norm(wind, axis=1) for wind in self.winds_pa])
+
+
+def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: TableContext) -> Table:
+    """The table of a modal model and a gust layer."""
+    modal, strengths_pa = motion.modal, motion.strengths_pa
+    most_pa = max(float(strengths_pa.max(initial=0.0)), float(modal.limits[2]))
+    typical_pa = float(np.sqrt(np.mean(np.square(strengths_pa))))
+    dt_s = float(of.description["dt_s"])
+    typical, strongest = gust_range(layer, (typical_pa, most_pa), dt_s)
+    shapes = layer.shapes.reshape(len(layer.shapes), -1, 3).transpose(1, 2, 0)
+    basis = np.concatenate([motion.subspace.basis, shapes], axis=2)
+    every = np.concatenate(motion.q)
+    q_rms = np.sqrt(np.concatenate([np.mean(every**2, axis=0), np.mean(typical**2, axis=0)]))
+    r = motion.subspace.modes
+    skin = _skin(basis, q_rms, _strong(motion.q, strongest), of)
+    reach_m = _reach_m(skin.node_basis[:, :, :r], every) + _reach_m(skin.node_basis[:, :, r:], strongest)
+    metadata: Metadata = {
+        "format": TABLE_FORMAT,
+        "version": TABLE_VERSION,
+        **of.description,
+        "modes": basis.shape[2],
+        "primitives": of.mesh.primitives,
+        "peak_pressure_pa": most_pa,
+        "reach_m": REACH_MARGIN * reach_m,
+        "errors": {**errors, "node_rms_m": skin.rms_error_m, "node_max_m": skin.max_error_m},
+    }
+    scale = np.full(basis.shape[2], quantum([*motion.q, strongest]), np.float32)
+    gusts = layer.tensors
+    return Table(
+        metadata=metadata, mode_scale=scale,
+        node_basis=skin.node_basis, node_rest_m=skin.node_rest_m,
+        node_turn=skin.node_turn, node_parent=skin.node_parent,
+        joint_nodes=skin.joint_nodes, joint_share=skin.joint_share, joint_rest_m=skin.joint_rest_m,
+        vertex_joint=skin.vertex_joint,
+        modal_step=modal.step, modal_load=modal.load, modal_sway=modal.sway, modal_force=modal.force,
+        modal_shown=modal.shown, modal_pose=modal.pose, modal_limits=modal.limits,
+        modal_drag_point=modal.drag_point, modal_drag_shape=modal.drag_shape, modal_drag_rest=modal.drag_rest,
+        gust_place=gusts.place, gust_step=gusts.step, gust_load=gusts.load, gust_drag=gusts.drag,
+    )  # fmt: skip
+
+
+STRONG_POSES = 24
+"""Poses of the training runs in which the motion of the branches must follow from that of the nodes."""
+
+
+def _strong(q: Sequence[Floats], gusts: Floats) -> Floats:
+    """(k, r) poses of the largest motion in the runs q (T, f), and of the gust layer (T, L)."""
+    every = np.concatenate(q)
+    far = np.argsort(-np.linalg.norm(every, axis=1), kind="stable")[: max(1, len(every) // 8)]
+    runs = every[far[:: max(1, len(far) // STRONG_POSES)]]
+    far = np.argsort(-np.linalg.norm(gusts, axis=1), kind="stable")[: max(1, len(gusts) // 8)]
+    gusty = gusts[far[:: max(1, 4 * len(far) // STRONG_POSES)]]
+    poses = np.zeros((len(runs) + len(gusty), every.shape[1] + gusts.shape[1]))
+    poses[: len(runs), : every.shape[1]] = runs
+    poses[len(runs) :, every.shape[1] :] = gusty
+    return poses
+
+
+def _skin(basis: Floats, q_rms: Floats, strong: Floats, of: TableContext) -> Skin:
+    moved = of.mesh.axis.displacement(basis) @ strong.T
+    farthest_m = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
+    tolerance_m = min(of.settings.node_share * of.height_m, of.settings.node_sway_share * farthest_m)
+    samples = MotionSamples(basis, strong, q_rms)
+    return make_skin(of.mesh.axis, of.mesh.bindings, samples, tolerance_m)
+
+
+def _reach_m(basis: Array, q: Floats) -> float:
+    """Largest displacement of any node (n, 3, r) under the motion q (T, r), m."""
+    squared = (np.square(q @ node.T) for node in basis.astype(np.float64))
+    return float(np.sqrt(max((x[:, 0] + x[:, 1] + x[:, 2]).max() for x in squared)))
+
+
+def internal_states(runs: Sequence[SampledRun]) -> InternalStates:
+    """Internal states of the records of all runs, concatenated."""
+    velocity, force, stiffness = (
+        np.concatenate([getattr(run, name) for run in runs]) for name in ("velocity", "force", "stiffness")
+    )
+    return InternalStates(velocity, force, stiffness)
+
+
+def weights(layout: Compared, components: int, settings: TableSettings) -> dict[str, float]:
+    """Parameters of the weight w of Eq. 16 for these states: initial, maximum, growth."""
+    leverage = settings.weight_leverage * typical_error(layout, components)
+    maximum = settings.weight_maximum or leverage / (1.0 + leverage)
+    initial = settings.weight_initial or 0.95 * maximum
+    return {"initial": min(initial, maximum), "maximum": maximum, "growth": settings.weight_growth}
+
+
+def spread_pa(pressure_pa: Array) -> float:
+    """RMS length of the pressure vectors (z, 2) of the records with wind, Pa; 1 if there are none."""
+    squared = np.square(pressure_pa, dtype=np.float64).sum(axis=1)
+    return float(np.sqrt(squared[squared > 0].mean())) if squared.any() else 1.0

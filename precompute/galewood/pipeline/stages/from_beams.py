@@ -1,0 +1,66 @@
+"""The table of the first second: natural modes of beams along the branches, before the wood is meshed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from galewood.constants import STREAMLINED_EXPONENT
+from galewood.motion.wind import dynamic_pressure
+from galewood.pipeline.reduction import Exposure, Oscillators, training_winds
+from galewood.pipeline.sampling import MAX_SWAY_SHARE
+from galewood.pipeline.stages.assemble import TableContext, assemble_first
+from galewood.pipeline.stages.options import BuildOptions
+from galewood.pipeline.stages.report import Body, describe
+from galewood.pipeline.stages.stiffness import goal_of
+from galewood.pipeline.stages.surface import render_mesh
+from galewood.solid.fem import rayleigh
+from galewood.solid.model import BeamModel, beam_model
+from galewood.table import encode
+from galewood.tree import TreeMesh
+
+LEFT_OUT = [
+    "the shape of the wood: its branches move as round beams",
+    "the weight of the tree",
+    "the change of stiffness, damping and wind load with the sway",
+    "the curved paths of branches that bend far",
+]
+
+
+def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> bytes:
+    """A preliminary table file of an imported tree, within a second.
+
+    Raises ValueError if the surface of the wood has no branches that beams could follow.
+    """
+    wood = options.wood_of(tree.species)
+    goal = goal_of(tree, wood, options)
+    wood = wood if goal is None else wood.scaled(goal.factor)
+    model = beam_model(tree, wood, leaves=options.foliage == "leaf")
+    speed_m_s = _design_speed(model, options.design_speed_m_s, tree.height_m)
+    body = Body(model.frequencies_hz[:10].tolist(), wood.name, {"beams": model.beams})
+    of = TableContext(
+        model.mass_kg,
+        render_mesh(tree, model.embedding, model.axis),
+        describe(tree, body, speed_m_s, options, render_glb),
+        options.table,
+    )
+    oscillators = _oscillators(model, wood.damping_ratio, options)
+    training = training_winds(oscillators, model.mass_kg, tree.height_m, options.fem, options.seed)
+    winds = [wind.pressure_pa for wind in training.default]
+    table = assemble_first(oscillators, winds, options.fem, of)
+    table.metadata["provenance"] |= {"stage": "beams", "preliminary": True, "left_out": LEFT_OUT}
+    return encode(table)
+
+
+def _design_speed(model: BeamModel, asked_m_s: float, height_m: float) -> float:
+    """The requested speed, reduced if its steady pressure would bend the beams too far."""
+    share = model.sway_m(float(dynamic_pressure(asked_m_s))) / height_m
+    return asked_m_s * min(1.0, (MAX_SWAY_SHARE / max(share, 1e-9)) ** (1.0 / STREAMLINED_EXPONENT))
+
+
+def _oscillators(model: BeamModel, damping_ratio: float, options: BuildOptions) -> Oscillators:
+    omega = 2 * np.pi * model.frequencies_hz
+    first_hz = float(model.frequencies_hz[0])
+    alpha, beta = rayleigh(damping_ratio, first_hz, options.fem.damping_frequency_ratio)
+    damping = np.diag(alpha + beta * omega**2)
+    exposure = Exposure(model.exposed_area_m2, model.sheltered_share, model.wind_profile, model.place_m)
+    return Oscillators(omega, damping, model.shapes.reshape(len(omega), -1), model.load, exposure)

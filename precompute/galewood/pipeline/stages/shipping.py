@@ -1,0 +1,86 @@
+"""Builds the tables that are distributed with the software (`pipeline.shipped` describes the files)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from galewood.pipeline.shipped import (
+    PICTURE_SUFFIX,
+    SHIPPED_FOLDER,
+    ShippedTree,
+    build_key,
+    read_shipped,
+    write_shipped,
+)
+from galewood.pipeline.stages.build import build_table
+from galewood.pipeline.stages.options import BuildOptions, Progress
+
+TETS_PREFIX = "tets-"
+
+
+@dataclass(frozen=True)
+class BuiltinMesh:
+    """The mesh of a built-in tree and the options of its build."""
+
+    name: str
+    path: Path
+    options: dict[str, Any]
+
+    @property
+    def key(self) -> str:
+        """Hash of what its shipped files must have been built from."""
+        return build_key(self.path.read_bytes(), self.options)
+
+
+def builtin_meshes(folder: Path) -> list[BuiltinMesh]:
+    """The built-in trees of a folder with a species.json. Raises OSError, ValueError."""
+    entries = json.loads((folder / "species.json").read_bytes())
+    return [
+        BuiltinMesh(
+            str(entry["id"]),
+            folder / str(entry["file"]),
+            {"species": entry["species"], "height_m": entry["height_m"]},
+        )
+        for entry in entries
+    ]
+
+
+def ship(
+    mesh: BuiltinMesh, folder: Path, cache_dir: Path, progress: Callable[[Progress], None] = lambda p: None
+) -> ShippedTree:
+    """Build the files of a built-in tree and write them to ``folder``."""
+    published: dict[str, bytes] = {}
+    result = build_table(
+        mesh.path.read_bytes(),
+        mesh.path.name,
+        BuildOptions.model_validate({"bare_table": True, **mesh.options}),
+        progress=progress,
+        cache_dir=cache_dir,
+        publish=published.__setitem__,
+    )
+    assert result.records is not None
+    tets_name = next(name for name in published if name.startswith(TETS_PREFIX))
+    tree = ShippedTree(
+        table=result.table,
+        records=result.records,
+        render_glb=result.render_glb,
+        tets=published[tets_name],
+        tets_name=tets_name,
+        report=result.report,
+        pictures={name: content for name, content in published.items() if name.endswith(PICTURE_SUFFIX)},
+        bare_table=result.bare_table,
+        compliance=result.compliance,
+    )
+    write_shipped(folder, mesh.name, mesh.key, tree)
+    return tree
+
+
+def outdated(folder: Path) -> Iterator[BuiltinMesh]:
+    """The built-in trees of a folder whose shipped files are missing, damaged, or built from other inputs."""
+    for mesh in builtin_meshes(folder):
+        if read_shipped(folder / SHIPPED_FOLDER, mesh.name, mesh.key) is None:
+            yield mesh

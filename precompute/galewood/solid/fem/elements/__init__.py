@@ -1,0 +1,1 @@
+"""Forces and stiffness of corotational tetrahedra: numba kernels and what they are compiled from."""

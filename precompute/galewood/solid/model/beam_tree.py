@@ -1,0 +1,189 @@
+"""The model of the first second: a tree as beams along its branches, before its wood is meshed.
+
+Everything that a table of natural modes needs comes from the surface of the wood: branches and radii from its
+level sets, modes from a frame of beams, foliage and wind load on the nearest beam.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_matrix, vstack
+from scipy.spatial import KDTree
+
+from galewood.solid.beams import Frame, frame_modes, joined_frame
+from galewood.solid.fem import LEAST_PROFILE
+from galewood.solid.model.construction import STIFFNESS_FLOOR
+from galewood.solid.model.crown_mass import twig_loads
+from galewood.solid.model.foliage import crown_loads, without_leaves
+from galewood.solid.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
+from galewood.solid.skinning import LARGEST_RIGID_PIECE, Axis, axis_of_frame, leading_vertices
+from galewood.solid.tets import MIN_RADIUS_SHARE
+from galewood.tree import RenderPrimitive, TreeMesh
+from galewood.util import Floats, Ints
+from galewood.wood import Wood
+
+MODE_COUNT = 80
+PLACES_PER_BEAM = 4
+"""Points along a beam among which the nearest to a vertex is sought."""
+ARM_SHARE = 0.02
+"""Distance of the three particles around a point of the frame, relative to the height of the tree."""
+
+
+@dataclass(frozen=True)
+class BeamModel:
+    """Natural modes of a tree of beams, at particles.
+
+    Each point of the frame is four particles: itself, and one beside it along each axis, so that particles
+    hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
+    Pa of wind along x and z. ``embedding`` (v, 4n) moves the render vertices with the particles. The next
+    three (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile;
+    ``place_m`` (4n, 3) is where the points rest. What is drawn follows the ``axis``.
+    """
+
+    frequencies_hz: Floats
+    shapes: Floats
+    mass_kg: Floats
+    load: Floats
+    embedding: csr_matrix
+    beams: int
+    exposed_area_m2: Floats
+    sheltered_share: Floats
+    wind_profile: Floats
+    place_m: Floats
+    axis: Axis
+
+    def sway_m(self, pressure_pa: float) -> float:
+        """Largest displacement under a steady wind along x or z, m, for a linear response."""
+        still = self.load / (2 * np.pi * self.frequencies_hz[:, None]) ** 2
+        bent = pressure_pa * np.einsum("kd,kni->dni", still, self.shapes)
+        return float(np.linalg.norm(bent, axis=2).max())
+
+
+@dataclass(frozen=True)
+class _NearestBeams:
+    """Points of the frame nearest to some vertices: beam (v,), share (v,) along it, distance_m (v,)."""
+
+    beam: Ints
+    share: Floats
+    distance_m: Floats
+
+
+def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
+    """The beam model of a tree. Raises ValueError if the surface has no branches.
+
+    Without ``leaves`` they still move, but have neither mass nor wind load.
+    """
+    outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
+    frame = replace(frame_of(outline), stiff_radius_m=_stiff_radius_m(tree.wood_vertices_m))
+    beams = [_nearest_beams(primitive.positions_m, frame) for primitive in tree.primitives]
+    of = {id(primitive): own for primitive, own in zip(tree.primitives, beams, strict=True)}
+
+    def spread(primitive: RenderPrimitive, amount: Floats) -> Floats:
+        nearest = of[id(primitive)]
+        ends = frame.links[nearest.beam]
+        shares = np.column_stack([1 - nearest.share, nearest.share]) * amount[:, None]
+        return np.bincount(ends.ravel(), shares.ravel(), len(frame.points_m)).astype(np.float64)
+
+    wood_mass = frame.volume_m3() * wood.density_kg_m3
+    loaded = tree if leaves else without_leaves(tree)
+    crown = crown_loads(loaded, wood, frame.points_m[:, 1], spread, wood_mass)
+    drawn_kg = crown.report.get("twig_mass_kg", 0.0)
+    hung_kg = crown.mass_kg + twig_loads(tree, spread, wood_mass, drawn_kg, outline).mass_kg
+    clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
+    free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
+    modes = frame_modes(frame, wood, clamped_m, min(MODE_COUNT, free // 2), hung_kg)
+    arm_m = ARM_SHARE * tree.height_m
+    return BeamModel(
+        modes.frequencies_hz,
+        _at_particles(modes.shapes, arm_m),
+        _on_points(_point_mass(frame, wood) + hung_kg),
+        np.einsum("kni,n->ki", modes.shapes[:, :, [0, 2]], crown.drag_area_m2),
+        _embedding(tree, frame, beams, arm_m),
+        len(frame.links),
+        _on_points(crown.exposed_area_m2),
+        np.repeat(crown.drag_area_m2 / np.maximum(crown.exposed_area_m2, 1e-12), 4),
+        np.repeat(np.maximum(crown.wind_profile, LEAST_PROFILE), 4),
+        np.repeat(frame.points_m, 4, axis=0),
+        axis_of_frame(frame, arm_m),
+    )
+
+
+def _on_points(values: Floats) -> Floats:
+    """(4n,) values (n,) of the points on the first of their four particles, zero on the others."""
+    return np.repeat(values, 4) * np.tile([1.0, 0.0, 0.0, 0.0], len(values))
+
+
+def _stiff_radius_m(vertices_m: Floats) -> float:
+    """Radius of the softest tetrahedra that the mesh of this wood will have: beams agree with them."""
+    return STIFFNESS_FLOOR * MIN_RADIUS_SHARE * float(np.linalg.norm(np.ptp(vertices_m, axis=0)))
+
+
+def frame_of(branches: Outline) -> Frame:
+    """The frame of a tree's branches; each begins on the axis of its parent limb."""
+    lines: list[Ints] = []
+    for line in branch_lines(branches.branch):
+        base = int(branches.parent[line[0]])
+        lines.append(line if base < 0 else np.concatenate([[base], line]))
+    lines.sort(key=lambda line: int(line[-1] if len(line) == 1 else line[1]))
+    index = np.concatenate(lines)
+    owner = np.concatenate([np.full(len(line), branches.branch[line[-1]]) for line in lines])
+    starts = np.cumsum([0, *(len(line) for line in lines[:-1])])
+    parent = np.arange(-1, len(index) - 1)
+    parent[starts[1:]] = [np.flatnonzero(index == line[0])[0] for line in lines[1:]]
+    radius = branches.radius_m[index]
+    radius[starts[1:]] = radius[starts[1:] + 1]  # a branch is not as thick as its parent limb
+    return joined_frame(branches.points_m[index], radius, parent, owner)
+
+
+def _at_particles(shapes: Floats, arm_m: float) -> Floats:
+    """(k, 4n, 3) motion of the particles from displacement and rotation (k, n, 6) of the points."""
+    moved, turned = shapes[..., :3], shapes[..., 3:]
+    beside = [moved + arm_m * np.cross(turned, axis) for axis in np.eye(3)]
+    return np.stack([moved, *beside], axis=2).reshape(len(shapes), -1, 3)
+
+
+def _point_mass(frame: Frame, wood: Wood) -> Floats:
+    """(n,) half the mass of the beams at each point."""
+    mass = np.pi * frame.radius_m**2 * frame.length_m * wood.density_kg_m3 * ~frame.hidden
+    return np.bincount(frame.links.ravel(), np.repeat(mass / 2, 2), len(frame.points_m)).astype(np.float64)
+
+
+def _nearest_beams(vertices_m: Floats, frame: Frame) -> _NearestBeams:
+    share = (np.arange(PLACES_PER_BEAM) + 0.5) / PLACES_PER_BEAM
+    start, along = frame.points_m[frame.links[:, 0]], np.diff(frame.points_m[frame.links], axis=1)[:, 0]
+    places = start[:, None] + share[:, None] * along[:, None]
+    _, nearest = KDTree(places.reshape(-1, 3)).query(vertices_m)
+    beam = np.asarray(nearest, np.int64) // PLACES_PER_BEAM
+    offset = vertices_m - start[beam]
+    squared = np.einsum("vi,vi->v", along[beam], along[beam])
+    at = np.clip(np.einsum("vi,vi->v", offset, along[beam]) / np.maximum(squared, 1e-300), 0.0, 1.0)
+    return _NearestBeams(beam, at, np.linalg.norm(offset - at[:, None] * along[beam], axis=1))
+
+
+def _embedding(tree: TreeMesh, frame: Frame, beams: list[_NearestBeams], arm_m: float) -> csr_matrix:
+    """Weights (render vertices, particles): a vertex turns with the beam it is nearest to.
+
+    A piece of foliage or a twig is not deformed: it moves as its vertex that is nearest to the wood.
+    """
+    rows: list[csr_matrix] = []
+    for primitive, own in zip(tree.primitives, beams, strict=True):
+        place, nearest = primitive.positions_m, own
+        if primitive.kind != "wood":
+            leader = leading_vertices(primitive, own.distance_m, LARGEST_RIGID_PIECE * tree.height_m)
+            place = place[leader]
+            nearest = replace(own, beam=own.beam[leader], share=own.share[leader])
+        rows.append(_rows(place, nearest, frame, arm_m))
+    return csr_matrix(vstack(rows, format="csr"))
+
+
+def _rows(place_m: Floats, nearest: _NearestBeams, frame: Frame, arm_m: float) -> csr_matrix:
+    ends = frame.links[nearest.beam]
+    arm = (place_m[:, None] - frame.points_m[ends]) / arm_m  # (v, 2, 3)
+    weight = np.concatenate([1 - arm.sum(axis=2, keepdims=True), arm], axis=2)
+    weight *= np.column_stack([1 - nearest.share, nearest.share])[:, :, None]
+    column = 4 * ends[:, :, None] + np.arange(4)
+    pointer = 8 * np.arange(len(place_m) + 1)
+    shape = (len(place_m), 4 * len(frame.points_m))
+    return csr_matrix((weight.ravel(), column.ravel(), pointer), shape=shape)

@@ -1,0 +1,278 @@
+"""Import of a tree from the bytes of a mesh file: format, axis, unit, wood and foliage, repair.
+
+Every assumption is recorded in the report.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from galewood.formats import FileContent, Material, RawPart, check_faces, read_parts
+from galewood.options import ImportRequest
+from galewood.tree.axis import Choice, choose_up_axis, signed, to_y_up
+from galewood.tree.joined_parts import joined_parts
+from galewood.tree.missing.missing_wood import Completed, complete_wood, foot_of_leaves, synthesize_stems
+from galewood.tree.pieces.classification import (
+    Classification,
+    ClassifiedPart,
+    classify,
+    welded_wood,
+    without_strays,
+)
+from galewood.tree.pieces.groups import Group
+from galewood.tree.pieces.pieces import find_pieces
+from galewood.tree.pieces.report import pieces_report
+from galewood.tree.render_mesh import render_glb
+from galewood.tree.repair import Surface
+from galewood.tree.scan_ground import without_ground
+from galewood.tree.species_names import guess_species
+from galewood.tree.surface import solid_wood
+from galewood.tree.types import KINDS, RenderPrimitive, TreeMesh
+from galewood.tree.unit import choose_scale
+from galewood.util import Floats, Ints, MeshError, shown_text
+
+__all__ = [
+    "Material",
+    "MeshError",
+    "RenderPrimitive",
+    "TreeMesh",
+    "read_tree",
+    "render_glb",
+]  # fmt: skip
+
+BASE_SLAB = 0.02
+SHORT_WOOD = 0.62  # of the height: above it, a crown has too little wood to bend
+QSM_UNIT = Choice("m", "cylinder models are in metres", assumed=False)
+
+
+def read_tree(data: bytes, filename: str, options: ImportRequest | None = None) -> TreeMesh:
+    """Read a tree from the bytes of a file. Raises MeshError.
+
+    `filename` only distinguishes formats without a signature and suggests the species; no file is opened.
+    """
+    options = options or ImportRequest()
+    content = read_parts(data, filename, options)
+    file_format = content.file_format
+    parts, up, classified = classify_content(content, options)
+    pieces, warnings = classified.parts, classified.warnings
+    _check_wood(pieces, classified.groups, options)
+    species, species_reason = guess_species(options.species, filename, parts)
+    wood, strays, repairs, wood_warnings = _solid(pieces)
+    pieces = without_strays(pieces, wood.vertices, strays) if wood else pieces
+    raw_height = content.qsm["height_m"] if content.qsm else _height(pieces)
+    scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options)
+    origin = _base_centre(wood) if wood else foot_of_leaves([s.part for s in pieces])[0]
+    pieces = [replace(s, part=_transformed(s.part, np.eye(3), origin, scale)) for s in pieces]
+    grown = _completed(wood, origin, scale, pieces, False if content.qsm else options.complete)
+    warnings = [*warnings, *(grown.warnings or _short_wood(pieces))]
+    if up.assumed:
+        unsure = "Unsure about the up axis: choose it if the tree lies on its side. " if up.unsure else ""
+        warnings.append(f"{unsure}The up axis is assumed to be {signed(up.value)}: {up.reason}.")
+    if unit.value not in ("m", "given"):
+        warnings.append(f"The unit is assumed: {unit.reason}.")
+    report: dict[str, Any] = {
+        "file": {"name": shown_text(filename), "format": file_format, "bytes": len(data)},
+        "up_axis": {
+            "value": up.value,
+            "reason": up.reason,
+            "assumed": up.assumed,
+            "unsure": up.unsure,
+            "confidence": round(up.confidence, 3),
+        },
+        "unit": {
+            "value": unit.value,
+            "metres_per_unit": scale,
+            "reason": unit.reason,
+            "assumed": unit.assumed,
+        },
+        "height_m": raw_height * scale,
+        "species": {"value": species, "reason": species_reason},
+        "parts": [_part_report(s) for s in pieces],
+        **pieces_report(classified, pieces, scale),
+        "repairs": repairs,
+        "roots": {"origin_in_file": origin.tolist(), "clamped_lowest_share": BASE_SLAB},
+        "warnings": content.warnings + warnings + wood_warnings,
+    }
+    if content.qsm:
+        report["qsm"] = content.qsm
+    if grown.report:
+        report["added_wood"] = grown.report
+    return TreeMesh(
+        primitives=_primitives(pieces),
+        wood_vertices_m=np.ascontiguousarray(grown.wood.vertices),
+        wood_faces=grown.wood.faces,
+        added_faces=grown.added_faces,
+        height_m=raw_height * scale,
+        species=species,
+        report=report,
+    )
+
+
+def classify_content(
+    content: FileContent, options: ImportRequest
+) -> tuple[list[RawPart], Choice, Classification]:
+    """The usable parts of a file turned y up, the up axis, and the classification of all pieces."""
+    parts = joined_parts(_usable(content.parts))
+    vertices, faces = _joined(parts)
+    _check_volume(vertices)
+    pieces = find_pieces(parts)
+    up = choose_up_axis(vertices, faces, pieces, content.file_format, options)
+    rotation = to_y_up(up.value)
+    parts = [_transformed(p, rotation, np.zeros(3), 1.0) for p in parts]
+    turned = pieces.turned(rotation)
+    turned = turned if content.qsm else without_ground(parts, turned)
+    return parts, up, classify(parts, options, content.qsm is not None, turned)
+
+
+def _usable(parts: list[RawPart]) -> list[RawPart]:
+    parts = [p for p in parts if len(p.faces) and len(p.positions)]
+    count = sum(len(p.faces) for p in parts)
+    if count == 0:
+        raise MeshError(
+            "no-faces", "unsuitable", "The file contains no triangles.", "Export the tree as a triangle mesh."
+        )
+    check_faces(count)
+    bad = sum(
+        int((~np.isfinite(p.positions).all(axis=1) | (np.abs(p.positions) > 1e12).any(axis=1)).sum())
+        for p in parts
+    )
+    if bad:
+        raise MeshError(
+            "non-finite", "unsuitable", f"{bad} vertices have coordinates that are not finite.",
+            "Remove them (in Blender: Mesh > Clean Up) and export the file again.",
+        )  # fmt: skip
+    for part in parts:
+        if int(part.faces.min()) < 0 or int(part.faces.max()) >= len(part.positions):
+            raise MeshError(
+                "index-out-of-range",
+                "malformed",
+                "A face refers to a vertex that does not exist.",
+                "Export the file again.",
+            )
+    return [_with_finite_extras(p) for p in parts]
+
+
+def _with_finite_extras(part: RawPart) -> RawPart:
+    """Drop normals, texture coordinates and colours that are not finite or have the wrong length."""
+
+    def valid(rows: Floats | None) -> Floats | None:
+        return (
+            rows
+            if rows is not None and len(rows) == len(part.positions) and np.isfinite(rows).all()
+            else None
+        )
+
+    return replace(part, normals=valid(part.normals), uv=valid(part.uv), colours=valid(part.colours))
+
+
+def _joined(parts: list[RawPart]) -> tuple[Floats, Ints]:
+    offsets = np.cumsum([0] + [len(p.positions) for p in parts])
+    faces = np.concatenate([p.faces + int(o) for p, o in zip(parts, offsets, strict=False)])
+    return np.concatenate([p.positions for p in parts]), faces
+
+
+def _check_volume(vertices: Floats) -> None:
+    singular = np.linalg.svd(vertices - vertices.mean(axis=0), compute_uv=False)
+    if not singular[0] > 0 or singular[-1] < 1e-6 * singular[0] or len(vertices) < 4:
+        raise MeshError(
+            "no-volume",
+            "unsuitable",
+            "The mesh is flat and encloses no volume.",
+            "Upload a tree with solid wood.",
+        )
+
+
+def _solid(pieces: list[ClassifiedPart]) -> tuple[Surface | None, Floats, dict[str, int], list[str]]:
+    """The drawn wood as in `solid_wood`; None if all is leaves."""
+    if not any(s.kind == "wood" for s in pieces):
+        return None, np.zeros((0, 3)), {}, []
+    return solid_wood(welded_wood(pieces))
+
+
+def _completed(
+    wood: Surface | None, origin: Floats, scale: float, pieces: list[ClassifiedPart], asked: bool | None
+) -> Completed:
+    """The wood in metres with what it lacks to carry its leaves."""
+    leaves = [s.part for s in pieces if s.kind == "leaves"]
+    if wood is None:
+        return synthesize_stems(leaves)
+    return complete_wood(Surface((wood.vertices - origin) * scale, wood.faces), leaves, asked)
+
+
+def _check_wood(pieces: list[ClassifiedPart], groups: list[Group], options: ImportRequest) -> None:
+    free = options.complete is not False and options.wood_parts is None
+    if any(s.kind == "wood" for s in pieces) or (pieces and free):
+        return
+    names = sorted({label for g in groups for label in g.labels})[:20] + [g.id for g in groups][:20]
+    raise MeshError(
+        "no-wood",
+        "unsuitable",
+        "No wood was found in the mesh: no trunk, no stems, no branches.",
+        f"Specify which of these are wood (names, or numbers of pieces): {', '.join(names)}. "
+        "A bush that is drawn as leaves only needs stems: allow missing wood to be added (--complete).",
+    )
+
+
+def _transformed(part: RawPart, rotation: Floats, origin: Floats, scale: float) -> RawPart:
+    return replace(
+        part,
+        positions=np.ascontiguousarray((part.positions @ rotation.T - origin) * scale),
+        normals=None if part.normals is None else np.ascontiguousarray(part.normals @ rotation.T),
+    )
+
+
+def _height(pieces: list[ClassifiedPart]) -> float:
+    """Height of the whole tree above the base of its wood, or of its leaves if it has none."""
+    standing = [s for s in pieces if s.kind == "wood"] or pieces
+    foot = min(float(s.part.positions[:, 1].min()) for s in standing)
+    return max(float(s.part.positions[:, 1].max()) for s in pieces) - foot
+
+
+def _short_wood(pieces: list[ClassifiedPart]) -> list[str]:
+    """A warning if the wood ends low in the crown, which then moves with the end of the wood."""
+    top = max(float(s.part.positions[:, 1].max()) for s in pieces if s.kind == "wood")
+    foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
+    share = (top - foot) / max(_height(pieces), 1e-300)
+    if share >= SHORT_WOOD:
+        return []
+    return [f"The wood ends at {share:.0%} of the height: the crown above moves with the end of the wood."]
+
+
+def _base_centre(wood: Surface) -> Floats:
+    """Centre of the trunk's base, on the ground."""
+    y = wood.vertices[:, 1]
+    low = float(y.min())
+    base = wood.vertices[y <= low + BASE_SLAB * float(np.ptp(y))]
+    middle = (base.min(axis=0) + base.max(axis=0)) / 2
+    return np.array([middle[0], low, middle[2]])
+
+
+def _primitives(pieces: list[ClassifiedPart]) -> list[RenderPrimitive]:
+    result: list[RenderPrimitive] = []
+    for kind in KINDS:
+        for number, piece in enumerate(s.part for s in pieces if s.kind == kind):
+            result.append(
+                RenderPrimitive(
+                    f"{kind}_{number}",
+                    kind,
+                    piece.positions,
+                    piece.faces,
+                    piece.normals,
+                    piece.uv,
+                    piece.material,
+                    piece.colours,
+                )
+            )
+    return result
+
+
+def _part_report(piece: ClassifiedPart) -> dict[str, Any]:
+    return {
+        "names": list(piece.part.labels),
+        "faces": len(piece.part.faces),
+        "kind": piece.kind,
+        "reason": piece.reason,
+    }

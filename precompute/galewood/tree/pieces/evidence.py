@@ -1,0 +1,167 @@
+"""Evidence for wood (positive) and leaves (negative) in the shape, colour and position of every piece.
+
+Each indicator adds a weight to a score, like a sum of log odds; the reason in the report lists the indicators
+that decided. The weights are assumed, and tuned on generated files (docs/design/0021-pieces.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from galewood.tree.pieces.colour import hue_saturation_value
+from galewood.tree.pieces.pieces import Pieces
+from galewood.tree.pieces.shape import Shapes
+from galewood.util import Floats
+
+SURE_SCORE = 1.0
+"""Score above which a piece is classified with confidence."""
+WOOD_PRIOR_SCORE = 0.25  # an unknown solid is more often wood
+GROUNDED_HEIGHT_SHARE = 0.03  # of the tree's height
+TALL_HEIGHT_SHARE = 0.25  # of the tree's height
+MAX_TRUNK_THICKNESS_SHARE = 0.2  # thickness, of the tree's height, above which nothing is a trunk
+MANY_PIECES = 24  # similar small pieces
+ALIKE_COLOUR_DISTANCE = 0.12  # distance of colours that count as the same
+STRIP_FLATNESS = 4.5  # flatness (see `_flatness`) above which a piece is a strip
+Mask = np.ndarray
+
+
+@dataclass
+class Evidence:
+    """Scores of k pieces, and the indicators behind them."""
+
+    score: Floats
+    indicators: list[tuple[Floats, str]] = field(default_factory=list[tuple[Floats, str]])
+
+    def add(self, where: Mask, weight: float | Floats, words: str) -> None:
+        """Add `weight` to the score of the pieces `where`."""
+        added = np.where(where, weight, 0.0)
+        self.score = self.score + added
+        self.indicators.append((added, words))
+
+    def reason(self, piece: int, wood: bool) -> str:
+        """The strongest indicators of a piece for the kind it was given."""
+        sign = 1.0 if wood else -1.0
+        found = sorted(
+            ((sign * float(w[piece]), words) for w, words in self.indicators), key=lambda one: -one[0]
+        )
+        words = [words for weight, words in found[:3] if weight > 0.2]
+        return "; ".join(words) or ("a solid that is neither a card nor a crown" if wood else "not like wood")
+
+
+def is_sheet(s: Shapes) -> Mask:
+    """Cards, crossed cards and modelled leaves: open surfaces, or double ones without a volume."""
+    long, wide, thin = s.extents.T
+    flat = (thin <= 0.15 * wide) & (_flatness(s) > STRIP_FLATNESS)  # not a bent tube
+    coherent = s.coherence > 0.6
+    hollow = (s.thickness < 0.03 * wide) & (s.open_border > 6.0) & (s.faces <= 64)
+    return flat | coherent | hollow | (long <= 0)
+
+
+def _flatness(s: Shapes) -> Floats:
+    """Area relative to a round tube of the same thickness and length: 1 for a cylinder, 1.5 for a cone.
+
+    It is large for strips, and for tubes with many branches.
+    """
+    return s.area / np.maximum(np.pi * s.thickness * s.extents[:, 0], 1e-300)
+
+
+def is_flattened(s: Shapes) -> Mask:
+    """Closed strips and lenses, such as thick fronds: no faces look along their width."""
+    strip = (s.normals[:, 2] < 0.08) & (_flatness(s) > STRIP_FLATNESS)
+    return ((s.normals[:, 0] > 0.66) | strip) & ~is_sheet(s) & (s.faces > 8)
+
+
+def is_tube(s: Shapes) -> Mask:
+    """Straight tubes, and bent or branching ones: thin for their length, with faces all around."""
+    long, wide = s.extents[:, 0], s.extents[:, 1]
+    round_section = s.thickness / np.maximum(wide, 1e-300)
+    slender = long / np.maximum(wide, 1e-300)
+    straight = (slender >= 1.7) & (round_section >= np.where(slender >= 3.0, 0.45, 0.55))
+    branching = (s.thickness < 0.15 * long) & (s.normals[:, 0] < 0.6)
+    branching &= (s.thickness > 0.003 * long) | (_flatness(s) < STRIP_FLATNESS)
+    branching &= (s.coherence < 0.35) & (s.open_border < 40.0)
+    return (straight & (s.normals[:, 0] < 0.7) | branching) & ~is_sheet(s) & ~is_flattened(s)
+
+
+def is_round(s: Shapes) -> Mask:
+    """Closed rounded volumes: balls, cones, clouds."""
+    long, wide, thin = s.extents.T
+    return (thin > 0.3 * long) & (s.thickness > 0.2 * wide) & (s.coherence < 0.5) & ~is_sheet(s)
+
+
+def own_evidence(pieces: Pieces) -> Evidence:
+    """Evidence that does not depend on other pieces: shape, alpha and colour."""
+    found = Evidence(np.full(len(pieces), WOOD_PRIOR_SCORE))
+    s = pieces.shapes
+    sheet, tube, rounded = is_sheet(s), is_tube(s), is_round(s)
+    found.add(sheet & (s.faces <= 8), -2.5, "flat cards")
+    main = (s.area > 0.4 * s.area.sum()) & (s.faces >= 300)  # such as a scan of a tree with its ground
+    found.add(sheet & (s.faces > 8) & ~main, -2.0, "a thin sheet")
+    found.add(tube & ~rounded, 2.0, "a tube")
+    found.add(rounded & ~tube, -1.6, "a rounded volume")
+    found.add(is_flattened(s), -1.5, "flattened like a leaf")
+    found.add(pieces.cut_out > 0.04, -2.5, "cut out by the alpha of its texture")
+    _colour_evidence(found, pieces)
+    return found
+
+
+def _colour_evidence(found: Evidence, pieces: Pieces) -> None:
+    hue, saturation, value = hue_saturation_value(pieces.rgb)
+    known = pieces.coloured
+    green = known & (hue > 62) & (hue < 170) & (saturation > 0.12)
+    found.add(green, -2.5 * np.clip((saturation - 0.1) / 0.2, 0.3, 1.0), "green")
+    warm = known & (hue >= 8) & (hue <= 48)
+    vivid = known & (saturation > 0.6) & (value > 0.6) & ((hue < 62) | (hue > 330))
+    brown = warm & (saturation > 0.12) & (value < 0.72) & ~vivid
+    found.add(brown, np.where(value < 0.55, 1.6, 1.3), "brown")
+    found.add(vivid, -1.3, "bright as autumn leaves")
+    found.add(known & (hue > 48) & (hue <= 62) & (saturation > 0.35) & ~vivid, -1.0, "yellow-green")
+    pink = known & ((hue > 290) | (hue < 8)) & (saturation > 0.2) & ~vivid
+    found.add(pink & (value > 0.45), -1.2, "coloured like blossoms")
+    found.add(pink & (value <= 0.45), 0.5, "dark reddish brown")
+    found.add(known & (saturation <= 0.12) & (value < 0.8), 0.5, "grey")
+    found.add(known & (hue >= 170) & (hue <= 290) & (saturation > 0.2), -0.6, "coloured unlike bark")
+
+
+def add_position(found: Evidence, pieces: Pieces, members: Mask) -> None:
+    """Add what the place of the pieces `members`, which are one tree (y up), says."""
+    s = pieces.shapes
+    ground, top = float(s.low[members, 1].min()), float(s.high[members, 1].max())
+    height = max(top - ground, 1e-300)
+    rounded, sheet = is_round(s), is_sheet(s)
+    grounded = members & (s.low[:, 1] <= ground + GROUNDED_HEIGHT_SHARE * height)
+    tall = s.high[:, 1] - s.low[:, 1] >= TALL_HEIGHT_SHARE * height
+    stout = s.thickness > MAX_TRUNK_THICKNESS_SHARE * height
+    width = np.maximum(np.ptp(np.stack([s.low, s.high]), axis=0)[:, [0, 2]].max(axis=1), 1e-300)
+    narrow = (s.thickness < 0.3 * width) | (width < 0.3 * height)
+    trunk = grounded & tall & ~sheet & ~stout & narrow
+    found.add(trunk, 2.5, "tall, standing on the ground")
+    found.add(members & stout & is_tube(s), -2.5, "too thick for a trunk")
+    above = members & ~grounded & (s.centre[:, 1] > ground + 0.4 * height)
+    found.add(above & rounded, -0.8, "in the crown")
+    small = members & (s.area < 0.01 * height**2) & ~is_tube(s)
+    if int(small.sum()) >= MANY_PIECES:
+        found.add(small, -0.8, f"one of {int(small.sum())} similar small pieces")
+    foot = (
+        members
+        & (s.low[:, 1] <= ground + GROUNDED_HEIGHT_SHARE * height)
+        & (s.high[:, 1] - s.low[:, 1] >= 0.08 * height)
+    )
+    below = s.high[:, 1] < ground + 0.5 * height
+    spread = (s.high[members].max(axis=0) - s.low[members].min(axis=0))[[0, 2]].max()
+    found.add(foot & below & ~tall & ~sheet & (width < 0.4 * spread), 1.5, "standing on the ground")
+    _compare_with_trunk(found, pieces, members, trunk)
+
+
+def _compare_with_trunk(found: Evidence, pieces: Pieces, members: Mask, trunk: Mask) -> None:
+    """Other pieces that have the colour of the trunk are more likely wood, all others less."""
+    sure = trunk & pieces.coloured & (found.score > SURE_SCORE)
+    if not sure.any():
+        return
+    best = int(np.argmax(np.where(sure, pieces.shapes.high[:, 1] - pieces.shapes.low[:, 1], -1.0)))
+    distance = np.linalg.norm(pieces.rgb - pieces.rgb[best], axis=1)
+    others = members & pieces.coloured & (np.arange(len(pieces)) != best)
+    found.add(others & (distance < ALIKE_COLOUR_DISTANCE), 0.8, "coloured like the trunk")
+    found.add(others & (distance > 2 * ALIKE_COLOUR_DISTANCE), -0.6, "coloured unlike the trunk")

@@ -1,0 +1,113 @@
+/** The package `galewood` in pages of strangers: its examples, each opened once. */
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { type Bundle, bundled, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
+import { expect, test } from "../forest";
+import { swaying } from "../swaying";
+
+test.use({ drawn: "always" });
+
+let folder = "";
+test.beforeAll(() => {
+  folder = mkdtempSync(join(tmpdir(), "galewood-player-"));
+});
+test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
+
+let served: Site | null = null;
+test.afterEach(() => {
+  served?.close();
+  served = null;
+});
+
+/** Serves a folder for the test that runs. */
+async function serving(root: string, service?: string): Promise<string> {
+  served = await site(root, service);
+  return served.base;
+}
+
+test("plain modules with an import map, three.js 0.187", async ({ page }) => {
+  await page.goto(`${await serving(EXAMPLES)}/plain/`);
+  await swaying(page);
+});
+
+for (const [name, bundle, three, release] of [
+  ["Vite", withVite, "three-186", "0.186"],
+  ["webpack", withWebpack, "three-185", "0.185"],
+  ["esbuild", withEsbuild, "three-184", "0.184"],
+] satisfies [string, Bundle, string, string][]) {
+  test(`the same scene, bundled by ${name}, three.js ${release}`, { tag: "@long" }, async ({ page }) => {
+    const out = join(folder, name);
+    await bundle(three, out);
+    await page.goto(`${await serving(out)}/`);
+    await swaying(page);
+  });
+}
+
+test("the custom element, whose wind can be changed", { tag: "@long" }, async ({ page }) => {
+  await page.goto(`${await serving(EXAMPLES)}/element/`);
+  await swaying(page);
+  await expect(page.getByRole("img", { name: "Trees swaying in the wind" })).toBeVisible();
+  const model = () => page.locator("galewood-forest").evaluate((one) => (one as unknown as { forest: { wind: { model: string } } }).forest.wind.model);
+  expect(await model()).toBe("spectral");
+  await page.locator("galewood-forest").evaluate((one) => one.setAttribute("wind", "storm-front"));
+  expect(await model()).toBe("navier-stokes");
+  await page.locator("galewood-forest").evaluate((one) => one.remove());
+  await expect(page.locator("canvas")).toHaveCount(0);
+});
+
+test("react-three-fiber: trees sway, and can be clicked", { tag: "@long" }, async ({ page }) => {
+  await bundled("r3f", "three", join(folder, "r3f"));
+  await page.goto(`${await serving(join(folder, "r3f"))}/`);
+  await swaying(page);
+  const { width, height } = page.viewportSize() ?? { width: 0, height: 0 };
+  await page.mouse.click(0.5 * width, 0.5 * height);
+  await expect(page.locator("output")).toHaveText("Tree 1");
+});
+
+test("a shared forest that the service streams: everyone sees a change of the wind", { tag: "@long" }, async ({ page, context }) => {
+  const address = `${await serving(EXAMPLES, process.env.BASE_URL)}/streamed/?share=test-${Date.now()}`;
+  await page.goto(address);
+  await swaying(page);
+  await expect(page.locator("output")).toHaveText("alone");
+  const other = await context.newPage();
+  await other.goto(address);
+  await expect(page.locator("output")).toHaveText("2 are here");
+  await other.locator("select").selectOption("storm-front");
+  await expect(page.locator("select")).toHaveValue("storm-front");
+  await other.close();
+  await expect(page.locator("output")).toHaveText("alone");
+});
+
+test("Babylon.js, moved by galewood/core", { tag: "@long" }, async ({ page }) => {
+  await bundled("babylon", "three", join(folder, "babylon"));
+  await page.goto(`${await serving(join(folder, "babylon"))}/`);
+  await swaying(page);
+});
+
+interface Features {
+  picked: number[];
+  instance: number | null;
+  beside: boolean;
+  tip_m: number[];
+  stand_m: number[];
+  refused: string;
+  time_s: number;
+}
+
+test("any material, any matrix, an inventory, shadows of three kinds of light, picking, a wind as a function", { tag: "@long" }, async ({ page }) => {
+  const base = await serving(__dirname);
+  await page.goto(`${base}/features.html`);
+  const handle = await page.waitForFunction(() => (window as { features?: unknown }).features);
+  const found = (await handle.jsonValue()) as Features;
+  expect(found.picked).toEqual([0, 1, 2, 3, 4]);
+  expect(found.instance).toBe(2);
+  expect(found.beside).toBe(false);
+  // The wind blows to +x.
+  expect(found.tip_m[0]).toBeGreaterThan(0.02);
+  // As tall as in the inventory, 12 m and 6 m; the wood ends below the topmost leaves.
+  expect(found.stand_m[0]).toBeGreaterThan(11);
+  expect(found.stand_m[0]).toBeLessThan(12.01);
+  expect(found.stand_m[0] / found.stand_m[1]).toBeCloseTo(2, 3);
+  expect(found.refused).toContain("use the GLB that belongs to it");
+});

@@ -1,0 +1,37 @@
+import { describe, expect, test } from "vitest";
+import { plainWind, withPlain } from "../../../../web/player/src/core/wind/edit";
+import { DEFAULTS, defaultsFor, queryFromSettings, settingsFromQuery } from "../../../../web/src/page/settings/settings";
+
+describe("settings in the URL", () => {
+  test("given values are used, missing ones keep their default", () => {
+    const settings = settingsFromQuery("?trees=60&speed=12.5&lookup=server&panel=0&quality=low");
+    expect(settings).toMatchObject({ trees: 60, lookup: "server", panel: false, quality: "low" });
+    expect(settings.wind).toEqual(plainWind({ ...DEFAULTS.wind, mean_speed_m_s: 12.5 }));
+    expect(settings.forestSeed).toBe(DEFAULTS.forestSeed);
+  });
+
+  test("numbers are clamped and invalid values ignored", () => {
+    const settings = settingsFromQuery("?trees=1e9&speed=-3&gust=NaN&seed=&direction=abc&lookup=moon&form=bonsai&forest=3.7&fps=0");
+    expect(settings).toEqual({ ...DEFAULTS, trees: 10_000, wind: withPlain(DEFAULTS.wind, { mean_speed_m_s: 0 }), forestSeed: 4, frameRateLimit_hz: 5 });
+  });
+
+  test("a query restores its settings and is empty for the defaults", () => {
+    expect(queryFromSettings(DEFAULTS)).toBe("");
+    const changed = { ...DEFAULTS, trees: 3, form: "forest" as const, poseEasing: 0.25, flutter: false, wind: withPlain(DEFAULTS.wind, { direction_deg: 271, seed: 9 }) };
+    expect(settingsFromQuery(`?${queryFromSettings(changed)}`)).toEqual(changed);
+  });
+
+  test("the method is one of the two known ones", () => {
+    const paper = { ...DEFAULTS, method: "paper" as const };
+    expect(settingsFromQuery("?method=modal", paper).method).toBe("modal");
+    expect(settingsFromQuery("?method=drift", paper).method).toBe("paper");
+    expect(queryFromSettings(DEFAULTS, paper)).toBe("method=modal");
+  });
+
+  test("small screens and software rendering start with lower settings", () => {
+    const desktop = defaultsFor({ width_px: 1280, touch: false, software: false });
+    expect(desktop.trees).toBe(400);
+    expect(defaultsFor({ width_px: 390, touch: true, software: false }).trees).toBeLessThan(desktop.trees);
+    expect(defaultsFor({ width_px: 1280, touch: false, software: true }).quality).toBe("low");
+  });
+});

@@ -1,0 +1,59 @@
+import { describe, expect, test } from "vitest";
+import { CALM_BREEZE, dynamicPressure, parseWind, WIND_RANGES, WindError, windPressure } from "../../../../web/player/src/core/wind/wind";
+import { goldenJson } from "../../golden";
+
+interface Vector {
+  wind: unknown;
+  time_s: number;
+  x_m: number[];
+  z_m: number[];
+  pressure_x_pa: number[];
+  pressure_z_pa: number[];
+}
+
+test("gives the same pressures as Python", () => {
+  for (const row of goldenJson<Vector[]>("wind.json")) {
+    const outX = new Float32Array(row.x_m.length);
+    const outZ = new Float32Array(row.x_m.length);
+    windPressure(parseWind(row.wind), row.x_m, row.z_m, row.time_s, outX, outZ);
+    for (let i = 0; i < outX.length; i++) {
+      expect(outX[i]).toBeCloseTo(row.pressure_x_pa[i], 4);
+      expect(outZ[i]).toBeCloseTo(row.pressure_z_pa[i], 4);
+    }
+  }
+});
+
+test("the pressure of still air is exactly zero", () => {
+  const out = new Float32Array(3).fill(1);
+  windPressure({ ...CALM_BREEZE, mean_speed_m_s: 0 }, [0, 9, 99], [1, 2, 3], 12, out, out);
+  expect(out.every((value) => value === 0)).toBe(true);
+});
+
+test("gusts travel downwind at the convection speed", () => {
+  const wind = { ...CALM_BREEZE, direction_deg: 0, convection_speed_m_s: 5 };
+  const here = new Float32Array(1);
+  const there = new Float32Array(1);
+  const scratch = new Float32Array(1);
+  windPressure(wind, [0], [7], 3, here, scratch);
+  windPressure(wind, [20], [7], 7, there, scratch);
+  expect(there[0]).toBeCloseTo(here[0], 5);
+});
+
+test("the drag law is continuous where streamlining sets in", () => {
+  expect(dynamicPressure(5)).toBeCloseTo(15, 12);
+  expect(dynamicPressure(5 + 1e-9)).toBeCloseTo(15, 6);
+});
+
+describe("rejects", () => {
+  for (const [field, [low, high]] of Object.entries(WIND_RANGES)) {
+    for (const value of [low - 1, high + 1, Number.NaN, Number.POSITIVE_INFINITY, "8", null, undefined]) {
+      test(`${field} = ${String(value)}`, () => {
+        expect(() => parseWind({ ...CALM_BREEZE, [field]: value })).toThrow(new RegExp(`wind\\.${field}: .*${low}\\.\\.`));
+      });
+    }
+  }
+  test.each([null, 3, [], {}, { ...CALM_BREEZE, version: 2 }, { ...CALM_BREEZE, more: 1 }, { ...CALM_BREEZE, seed: 1.5 }])(
+    "%j",
+    (document) => expect(() => parseWind(document)).toThrow(WindError),
+  );
+});

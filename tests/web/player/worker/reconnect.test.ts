@@ -1,0 +1,154 @@
+/** Lost connections: waiting times, attempts at once, and pages that nobody looks at. */
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
+import { Backoff } from "../../../../web/player/src/core/net/backoff";
+import { encodeReply } from "../../../../web/player/src/core/wire/wire";
+import { followEvents } from "../../../../web/src/page/server/eventStream";
+import { ForestSocket } from "../../../../web/player/src/worker/stream/forestSocket";
+import { random } from "../../golden";
+
+test("waiting times double up to 30 s and are spread over half of each (seeds 1 to 50)", () => {
+  for (let seed = 1; seed <= 50; seed++) {
+    const backoff = new Backoff(random(seed));
+    for (let attempt = 0; attempt < 20; attempt++) {
+      const bound_ms = Math.min(30_000, 250 * 2 ** attempt);
+      const wait_ms = backoff.next_ms();
+      expect(wait_ms).toBeGreaterThanOrEqual(0.5 * bound_ms);
+      expect(wait_ms).toBeLessThanOrEqual(bound_ms);
+    }
+    backoff.reset();
+    expect(backoff.next_ms()).toBeLessThanOrEqual(250);
+  }
+});
+
+/** A connection of which the test decides how it goes. */
+class Line {
+  static readonly CONNECTING = 0;
+  static readonly OPEN = 1;
+  static made: Line[] = [];
+  readyState = 0;
+  binaryType = "";
+  closed = false;
+  onopen: (() => void) | null = null;
+  onmessage: ((event: unknown) => void) | null = null;
+  onclose: (() => void) | null = null;
+  onerror: (() => void) | null = null;
+  readonly sent: unknown[] = [];
+
+  constructor(readonly url: string) {
+    Line.made.push(this);
+  }
+
+  static get last(): Line {
+    return Line.made[Line.made.length - 1];
+  }
+
+  send(data: unknown): void {
+    this.sent.push(data);
+  }
+
+  close(): void {
+    this.closed = true;
+    this.readyState = 3;
+    this.onclose?.();
+  }
+}
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  Line.made = [];
+  vi.stubGlobal("WebSocket", Line);
+  vi.stubGlobal("EventSource", Line);
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+const handlers = { request: () => ({ type: "resync" }) as const, reply: () => {}, problem: () => {} };
+
+describe("the socket", () => {
+  test("waits longer after every failed attempt, but not if it is asked to try now", () => {
+    // Late attempts, so that the next check comes before the socket gives up an attempt without an answer.
+    vi.spyOn(Math, "random").mockReturnValue(0.9);
+    const socket = new ForestSocket("ws://here", handlers);
+    for (let attempt = 0; attempt < 9; attempt++) {
+      Line.last.close();
+      expect(socket.lost).toBe(true);
+      vi.advanceTimersByTime(0.49 * Math.min(30_000, 250 * 2 ** attempt));
+      expect(Line.made.length).toBe(attempt + 1);
+      vi.advanceTimersByTime(0.52 * Math.min(30_000, 250 * 2 ** attempt));
+      expect(Line.made.length).toBe(attempt + 2);
+    }
+    Line.last.close();
+    socket.retry();
+    expect(Line.made.length).toBe(11);
+    socket.retry(); // it is being established
+    expect(Line.made.length).toBe(11);
+    socket.dispose();
+    vi.advanceTimersByTime(60_000);
+    expect(Line.made.length).toBe(11);
+  });
+
+  test("gives up a connection that is not established within 10 s", () => {
+    const socket = new ForestSocket("ws://here", handlers);
+    vi.advanceTimersByTime(12_000);
+    expect(Line.made[0].closed).toBe(true);
+    expect(Line.made.length).toBe(2);
+    socket.dispose();
+  });
+
+  test("gives up a silent connection after 5 s, but waits longer for the first data", () => {
+    const pong = encodeReply({ type: "pong", t: 0, server_s: 0 }).buffer;
+    for (const [answered, closed] of [
+      [true, true],
+      [false, false],
+    ]) {
+      const socket = new ForestSocket("ws://here", handlers);
+      const line = Line.last;
+      line.readyState = Line.OPEN;
+      line.onmessage?.({ data: pong });
+      if (answered) socket.arrived();
+      vi.advanceTimersByTime(9000);
+      expect(line.closed).toBe(closed);
+      vi.advanceTimersByTime(15_000);
+      expect(line.closed).toBe(true);
+      socket.dispose();
+    }
+  });
+
+  test("is closed while nobody looks, without being lost, and opens at once afterwards", () => {
+    const socket = new ForestSocket("ws://here", handlers);
+    Line.last.readyState = Line.OPEN;
+    Line.last.onopen?.();
+    expect(Line.last.sent.length).toBeGreaterThan(0);
+    socket.suspend(true);
+    vi.advanceTimersByTime(120_000);
+    socket.retry();
+    expect([Line.made.length, Line.last.closed, socket.lost]).toEqual([1, true, false]);
+    socket.suspend(false);
+    expect([Line.made.length, Line.last.closed]).toEqual([2, false]);
+    socket.dispose();
+  });
+});
+
+test("the event stream waits longer after every failed attempt, but not if it is asked to try now", () => {
+  const states: boolean[] = [];
+  const stream = followEvents({ change: () => {}, open: () => states.push(true), lost: () => states.push(false) });
+  for (let attempt = 0; attempt < 8; attempt++) {
+    Line.last.onerror?.();
+    vi.advanceTimersByTime(0.49 * Math.min(30_000, 250 * 2 ** attempt));
+    expect(Line.made.length).toBe(attempt + 1);
+    vi.advanceTimersByTime(0.52 * Math.min(30_000, 250 * 2 ** attempt));
+    expect(Line.made.length).toBe(attempt + 2);
+  }
+  Line.last.onerror?.();
+  stream.retry();
+  expect(Line.made.length).toBe(10);
+  Line.last.onopen?.();
+  expect(states.at(-1)).toBe(true);
+  Line.last.onerror?.();
+  vi.advanceTimersByTime(251);
+  expect(Line.made.length).toBe(11); // the waiting time starts again after a success
+  stream.close();
+});
