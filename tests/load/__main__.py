@@ -20,7 +20,7 @@ from tests.load.priorities import set_idle
 from tests.load.report import Report
 from tests.load.servers import Fleet, Node, fleet, victims
 from tests.load.wire_client import ask
-from tests.server.sample_meshes import pole_obj
+from tests.server.support.sample_meshes import pole_obj
 
 SETTLE_S = 5.0
 BETWEEN_BUILDS_S = 60.0

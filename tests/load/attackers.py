@@ -12,7 +12,7 @@ from galewood_server.cli.bench_client import masked
 from tests.load.report import Report
 from tests.load.visitors import LOST, Choose, planted, post_mesh
 from tests.load.wire_client import Refused, aborted, ask, open_socket, read_head, request_bytes
-from tests.server.sample_meshes import pole_obj
+from tests.server.support.sample_meshes import pole_obj
 
 FACES = b"v 0 0 0\n" + b"f \n" * ((64 * 1024 * 1024 - 200) // 3)
 """An OBJ file as large as an upload may be."""

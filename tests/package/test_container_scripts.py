@@ -16,7 +16,7 @@ from urllib.error import HTTPError
 
 import pytest
 
-from tests.server.conftest import NO_CLUSTER, Server
+from tests.server.support.server_process import FAKE_JOB, FAKE_SERVER, NO_CLUSTER, Server
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 DIGEST = "sha256:" + "ab" * 32
@@ -102,8 +102,12 @@ def test_containers_that_do_not_start_are_taken_down(docker: Callable[[str], dic
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[Server]:
     (tmp_path / "data").mkdir()
-    environment = {"GALEWOOD_JOB_MODULE": "tests.server.fake_job", "FAKE_STEP_S": "0.01", **NO_CLUSTER}
-    server = Server(tmp_path / "data", "tests.server.fake_server", environment).start()
+    environment = {
+        "GALEWOOD_JOB_MODULE": FAKE_JOB,
+        "FAKE_STEP_S": "0.01",
+        **NO_CLUSTER,
+    }
+    server = Server(tmp_path / "data", FAKE_SERVER, environment).start()
     yield server
     server.stop()
 

@@ -26,8 +26,8 @@ import psutil
 import pytest
 from numba.core.caching import _CacheLocator  # pyright: ignore[reportPrivateUsage]
 
-from tests.precompute.shared_tets import small_tree_glb
-from tests.server.conftest import free_port
+from tests.precompute.fixtures.shared_tets import small_tree_glb
+from tests.server.support.server_process import free_port
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 LOOK_S = 0.1

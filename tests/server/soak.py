@@ -26,9 +26,9 @@ import numpy as np
 import psutil
 from galewood_server.stream import wire
 
-from tests.server import sample_meshes
-from tests.server.conftest import Server, wait_until
-from tests.server.test_forest_stream import BREEZE, Client
+from tests.server.stream.test_forest_stream import BREEZE, Client
+from tests.server.support import sample_meshes
+from tests.server.support.server_process import Server, wait_until
 
 SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 30}
 HEIGHTS_M = (2.5, 3.0, 3.5, 4.0)  # few, so that some builds use cached runs

@@ -1,0 +1,76 @@
+"""Exports of computed trees over REST."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import httpx
+import pytest
+from galewood.pipeline.shipped import ShippedTree, build_key, write_shipped
+
+from tests.golden import GOLDEN_FOLDER
+from tests.server.support.server_process import NO_CLUSTER, REPOSITORY, Server
+
+StartServer = Callable[..., Server]
+SHIPPED = REPOSITORY / "assets" / "species" / "shipped"
+SOURCE = b"mesh of a small tree"
+SHORT = {"loop_s": "1", "fps": "10"}
+
+
+@pytest.fixture
+def server(start_server: StartServer, tmp_path: Path) -> Server:
+    """A server with one computed tree, "small", and one that is not, "other"."""
+    folder = tmp_path / "species"
+    folder.mkdir()
+    small = {"id": "small", "name": "Small", "file": "small.obj", "species": "apricot", "height_m": 12.0}
+    (folder / "small.obj").write_bytes(SOURCE)
+    (folder / "species.json").write_text(json.dumps([small]))
+    tree = ShippedTree(
+        table=(SHIPPED / "apricot-forest.table").read_bytes(),
+        records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
+        render_glb=(SHIPPED / "apricot-forest.glb").read_bytes(),
+        tets=b"tetrahedra",
+        tets_name="tets-abc.npz",
+        report={},
+        pictures={},
+    )
+    key = build_key(SOURCE, {"species": "apricot", "height_m": 12})
+    write_shipped(folder / "shipped", "small", key, tree)
+    environment = {"GALEWOOD_BUILTIN_TREES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
+    return start_server(FAKE_STEP_S="0.01", **environment, **NO_CLUSTER)
+
+
+def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(server: Server) -> None:
+    with server.client() as api:
+        address = "/api/trees/small/exports"
+        assert problem(api.get(f"{address}/fbx")) == (422, "invalid-request")
+        assert problem(api.get(f"{address}/vat", params={"loop_s": "0"})) == (422, "invalid-request")
+        assert problem(api.get(f"{address}/vat", params={"speed": "3"})) == (422, "invalid-request")
+        assert problem(api.get(f"{address}/vat", params={"wind": "hurricane"})) == (422, "bad-wind")
+        assert problem(api.get(f"{address}/vat", params={"wind": '{"version": 1}'})) == (422, "bad-wind")
+        assert problem(api.get("/api/trees/nobody/exports/vat"))[0] == 404
+
+        answer = api.get(f"{address}/bones", params=SHORT, timeout=120)
+        assert answer.status_code == 200, answer.text
+        assert answer.headers["content-type"] == "application/zip"
+        assert 'filename="small-bones.zip"' in answer.headers["content-disposition"]
+        with zipfile.ZipFile(io.BytesIO(answer.content)) as files:
+            assert set(files.namelist()) == {"small.glb", "small.json", "small.wind.json"}
+            told = json.loads(files.read("small.json"))
+        assert told["frames"] == 10
+        assert told["measured"]["seam_percent_of_height"] < 0.05
+        (kept,) = (server.data_dir / "cache" / "exports").iterdir()
+        written = kept.stat().st_mtime_ns
+        again = api.get(f"{address}/bones", params=SHORT)
+        assert again.content == answer.content
+        assert kept.stat().st_mtime_ns == written
+        tag = {"if-none-match": answer.headers["etag"]}
+        assert api.get(f"{address}/bones", params=SHORT, headers=tag).status_code == 304
+
+
+def problem(answer: httpx.Response) -> tuple[int, str]:
+    return answer.status_code, answer.json()["code"]
