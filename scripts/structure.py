@@ -33,8 +33,6 @@ PACKAGE_GROUPS = {"check", "io", "motion", "pipeline", "solid"}
 MOST_FILES = 15
 CROWDED_FOLDERS: dict[str, int] = {
     "tests/e2e": 30,
-    "tests/precompute": 111,
-    "tests/server": 67,
     "tests/web": 61,
     "web/scripts/species": 25,
 }
