@@ -14,7 +14,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
+from tests.precompute.fixtures.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
 ROOT = Path(__file__).parents[2]
 HEIGHT_M = 12.0
@@ -23,7 +23,7 @@ QUICK = {
     "galewood.build(tree": f"{TARGET_TETS=}, sampled_elements=8, frames=16, design_speed_m_s=14.0",
     "galewood.Model(tree": f"{TARGET_TETS=}",
 }
-"""Options as in tests/precompute/test_api.py, so that the runs are simulated once for both."""
+"""Options as in tests/precompute/io/test_api.py, so that the runs are simulated once for both."""
 TIMEOUT_S = 1700
 """Of one program: a build with the default options takes two minutes of processor time."""
 pytestmark = pytest.mark.timeout(1800)

@@ -1,0 +1,28 @@
+"""The gradient of the stretch is that of differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from galewood.solid.skinning.stretch_minimisation import EdgeMesh, StretchMinimisation
+from galewood.solid.skinning.wood_bindings import welded_primitive
+
+from tests.precompute.solid.skinning.poles import flared
+
+SEED = 11
+
+
+def test_the_gradient_of_the_cost_is_that_of_differences() -> None:
+    axis, wood, poses = flared()
+    welded, paths = welded_primitive(wood), axis.paths
+    mesh = EdgeMesh(welded.place_m, welded.ends, np.sqrt(welded.squared_m2))
+    child, arc = paths.places(axis.nearest(mesh.place_m))
+    arc = np.clip(arc, 0.06, 5.9) + 1e-3 * np.random.default_rng(SEED).random(len(arc))
+    problem = StretchMinimisation(mesh, child, arc, np.arange(5, len(arc)), paths, poses)
+    at = arc[5:] / problem.unit_m
+    _, gradient = problem.cost(at)
+    for k in (0, 17, 40):
+        step = np.zeros(len(at))
+        step[k] = 1e-5
+        difference = (problem.cost(at + step)[0] - problem.cost(at - step)[0]) / 2e-5
+        assert gradient[k] == pytest.approx(difference, rel=0.02, abs=1e-3 * np.abs(gradient).max())
