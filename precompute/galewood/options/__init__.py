@@ -1,8 +1,9 @@
-"""Options of mesh import and build: one model from which every interface follows."""
+"""What a user may choose, declared once: every interface follows from it."""
 # pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
-from galewood.options.evaluation import EvaluationOptions
+from galewood.options.evaluation import EVALUATION_SEED, EvaluationOptions, EvaluationSeed
+from galewood.options.method import METHOD_HELP, METHOD_NAMES, Method
 from galewood.options.request import (
     MAX_HEIGHT_M,
     MAX_TETS,
@@ -18,8 +19,11 @@ from galewood.options.request import (
 )
 
 __all__ = [
+    "EVALUATION_SEED",
     "MAX_HEIGHT_M",
     "MAX_TETS",
+    "METHOD_HELP",
+    "METHOD_NAMES",
     "MIN_HEIGHT_M",
     "MIN_TETS",
     "TRAINING_SEED",
@@ -27,7 +31,9 @@ __all__ = [
     "Axis",
     "BuildRequest",
     "EvaluationOptions",
+    "EvaluationSeed",
     "ImportRequest",
+    "Method",
     "TableRequest",
     "list_fields",
 ]

@@ -4,7 +4,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import BaseModel, ConfigDict, Field
+
+EvaluationSeed = Annotated[
+    int, Field(ge=0, lt=2**31, description="Seed of the winds' directions and timing.")
+]
+EVALUATION_SEED = 20_001
 
 
 class EvaluationOptions(BaseModel):
@@ -19,7 +26,7 @@ class EvaluationOptions(BaseModel):
         description="Scale each wind instead until the tree sways by this share of its height, or until the "
         "wind is the strongest that the table was made from.",
     )
-    seed: int = Field(default=20_001, description="Seed of the winds' directions and timing.")
+    seed: EvaluationSeed = EVALUATION_SEED
     long: int = Field(
         default=0, description="Frames of an extra long run of gusts at --sway (default 0.1), and beyond."
     )

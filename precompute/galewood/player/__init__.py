@@ -5,11 +5,10 @@ from galewood.player.paper_search import PaperForest, gaussian
 from galewood.player.periodic import periodic_motion
 from galewood.player.pulling import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.sway import grid_placements, play
-from galewood.player.wind_driven import Method, WindDrivenTrees
+from galewood.player.wind_driven import WindDrivenTrees
 
 __all__ = [
     "DragConstraint",
-    "Method",
     "ModalForest",
     "PaperForest",
     "PointResponse",

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from galewood.motion.wind import Wind, WindField
-from galewood.player.wind_driven import Method, WindDrivenTrees
+from galewood.options import Method
+from galewood.player.wind_driven import WindDrivenTrees
 from galewood.table import Table
 from galewood.util import Floats
 

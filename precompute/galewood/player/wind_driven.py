@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 import numpy.typing as npt
 
@@ -15,14 +13,12 @@ from galewood.motion.wind import (
     height_factor,
     limit_pressure,
 )
+from galewood.options import Method
 from galewood.player.gust_layer import GustLayer
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.table import Table
 from galewood.util import Singles
-
-Method = Literal["modal", "paper"]
-"""The modal reduced-order model, or the paper's state search."""
 
 
 def forest_of(

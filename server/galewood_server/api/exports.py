@@ -8,14 +8,14 @@ import json
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
-from galewood.io.export import EXPORT_REVISION, ExportKind, ExportOptions, TextureFormat
+from galewood.io.export import EXPORT_REVISION, ExportKind, ExportOptions, LoopOptions
 from galewood.motion.wind import PRESETS, Wind, parse_wind
 from galewood.util import write_atomically
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field, model_validator
 
 from galewood_server.api.analyses.common import computed_tree
 from galewood_server.context import Service, ServiceDep
@@ -23,26 +23,28 @@ from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matc
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 ZIP_CONTENT = contents("The files of the export.", "application/zip")
+MOST_FRAMES = 3600
+"""Of a loop, so that an export takes seconds."""
 
 
-class ExportQuery(BaseModel):
+class ExportQuery(LoopOptions):
     """Options of an export, as of `galewood export`."""
-
-    model_config = ConfigDict(extra="forbid")
 
     wind: str = Field(
         default="",
         max_length=4096,
-        description="A preset (still, breeze, autumn-gusts, storm-front) or a wind document as JSON.",
+        description=f"A preset ({', '.join(PRESETS)}) or a wind document as JSON.",
     )
-    loop_s: float = Field(default=8.0, ge=1, le=60, description="Length of the loop, s.")
-    fps: float = Field(default=30.0, ge=5, le=60, description="Frames per second.")
-    format: TextureFormat = Field(default="exr", description="Textures of `vat`.")
-    bones: int = Field(default=256, ge=4, le=256, description="Maximum number of bones.")
+
+    @model_validator(mode="after")
+    def _few_frames(self) -> Self:
+        if self.loop_s * self.fps > MOST_FRAMES:
+            raise ValueError(f"a loop may have {MOST_FRAMES} frames: loop_s × fps")
+        return self
 
     def options(self) -> ExportOptions:
         """The options. WindError."""
-        return ExportOptions(_wind(self.wind), self.loop_s, self.fps, self.format, self.bones)
+        return ExportOptions(wind=_wind(self.wind), **self.model_dump(exclude={"wind"}))
 
 
 @dataclass(frozen=True)

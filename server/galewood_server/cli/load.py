@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
+from galewood.options import METHOD_HELP, Method
 from pydantic import BaseModel, Field
 
 
@@ -15,8 +14,6 @@ class Load(BaseModel):
     forests: int = Field(default=1, description="Number of shared forests; 0 gives each client its own.")
     stalled: int = Field(default=20, description="Additional clients that never read, in a second phase.")
     seconds: float = Field(default=20.0, description="Length of the first phase (s).")
-    method: Literal["modal", "paper"] = Field(
-        default="modal", description="modal: the default method; paper: the state search of the paper."
-    )
+    method: Method = Field(default="modal", description=METHOD_HELP)
     server_core: int = Field(default=0, description="CPU core of the server; −1 for any.")
     client_core: int = Field(default=1, description="CPU core of the clients; −1 for any.")

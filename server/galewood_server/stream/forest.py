@@ -8,13 +8,14 @@ import numba
 import numpy as np
 from galewood.constants import TICK_HZ
 from galewood.motion.wind import Wind, WindField, WindState, change_wind, with_front
+from galewood.options import Method
 from galewood.player import WindDrivenTrees
 from galewood.table import Compliance, Table
 from galewood.util import Floats, Singles
 
 from galewood_server.stream.frames import Shape
 from galewood_server.stream.pulls import GroupPulls, pullings
-from galewood_server.stream.wire import Forest, Method, Poses, Pull, Pulling, Trees
+from galewood_server.stream.wire import Forest, Poses, Pull, Pulling, Trees
 
 WARM_UP_TREES = 2
 """Trees stepped to warm up: numba compiles other code for arrays of one row."""

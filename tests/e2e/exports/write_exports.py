@@ -15,10 +15,10 @@ from galewood.motion.wind import Wind
 from galewood.solid.skinning import drawn_positions
 from galewood.table import decode
 
-from tests.precompute.gltf_reading import Glb
+from tests.precompute.fixtures.gltf_reading import Glb
 
 SHIPPED = Path("assets/species/shipped/apricot-forest.table")
-OPTIONS = ExportOptions(Wind(mean_speed_m_s=10.0), loop_s=2.0, fps=12.0)
+OPTIONS = ExportOptions(wind=Wind(mean_speed_m_s=10.0), loop_s=2.0, fps=12.0)
 TIME_S = 1.03
 
 

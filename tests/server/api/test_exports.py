@@ -50,6 +50,8 @@ def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(ser
         assert problem(api.get(f"{address}/fbx")) == (422, "invalid-request")
         assert problem(api.get(f"{address}/vat", params={"loop_s": "0"})) == (422, "invalid-request")
         assert problem(api.get(f"{address}/vat", params={"speed": "3"})) == (422, "invalid-request")
+        long = {"loop_s": "120", "fps": "60"}
+        assert problem(api.get(f"{address}/vat", params=long)) == (422, "invalid-request")
         assert problem(api.get(f"{address}/vat", params={"wind": "hurricane"})) == (422, "bad-wind")
         assert problem(api.get(f"{address}/vat", params={"wind": '{"version": 1}'})) == (422, "bad-wind")
         assert problem(api.get("/api/trees/nobody/exports/vat"))[0] == 404

@@ -21,6 +21,7 @@ from galewood.check.evaluation.reference_runs import ReferenceTask, read_referen
 from galewood.check.evaluation.source import Source
 from galewood.check.evaluation.winds import long_gusts
 from galewood.motion.wind import dynamic_pressure
+from galewood.options import METHOD_NAMES
 from galewood.pipeline.sampling import content_hash
 from galewood.player import ModalForest
 from galewood.solid.fem import Simulator
@@ -34,7 +35,6 @@ PIECE_FRAMES = 100
 """Frames of a window, and of the pieces that are held in memory."""
 BEYOND_PRESSURE_RATIO = 2.0
 """Pressure of `play_beyond_range` over the pressure of the design speed."""
-METHODS_SHOWN = ("modal", "paper")
 
 
 def long_run(
@@ -100,7 +100,7 @@ def _wind(table: Table, source: Source, cache_dir: Path, frames: int, sway: floa
 
 def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) -> dict[str, Any]:
     simulator = Simulator(source.model)
-    forests = {name: make(table) for name, make in methods_of(table).items() if name in METHODS_SHOWN}
+    forests = {name: make(table) for name, make in methods_of(table).items() if name in METHOD_NAMES}
     dt_s, height_m = float(table.metadata["dt_s"]), float(table.metadata["height_m"])
     parts: dict[str, list[ErrorByFrame]] = {name: [] for name in forests}
     late: dict[str, Floats] = {}  # right after a step, q is the pose before that step

@@ -16,14 +16,13 @@ from galewood.check.evaluation.evaluate import methods_of, play_pressures
 from galewood.check.evaluation.measures import hausdorff
 from galewood.check.evaluation.source import tets_of
 from galewood.motion.wind import WindField, WindState, height_factor, limit_pressure, to_tree_frame
+from galewood.options import METHOD_NAMES
 from galewood.solid.fem import FemModel, Simulator
 from galewood.solid.skinning import points_embedding
 from galewood.table import Table
 from galewood.util import Floats
 
 OnProgress = Callable[[float, str], None]
-
-COMPARED_METHODS = ("modal", "paper")
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ def comparison_tracks(
     )
     q, errors = {"fem": projected}, {}
     makes = methods_of(table)
-    for k, name in enumerate(name for name in COMPARED_METHODS if name in makes):
+    for k, name in enumerate(name for name in METHOD_NAMES if name in makes):
         on_progress(0.8 + 0.1 * k, "Comparing")
         q[name], _ = play_pressures(table, pressure_pa, makes[name])
         errors[name] = _errors((q[name] @ basis.T).reshape(reference.shape), reference, rest_m, height_m)

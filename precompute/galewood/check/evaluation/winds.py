@@ -25,8 +25,8 @@ def unseen_winds(
     frames: int,
     dt_s: float,
     *,
-    strength: float = 0.65,
-    seed: int = 20_001,
+    strength: float,
+    seed: int,
     first_hz: float | None = None,
 ) -> dict[str, Floats]:
     """Winds by name: pressures (frames, 2) Pa that peak at ``strength`` times the design speed.

@@ -16,7 +16,7 @@ from galewood.io.api.cache import default_cache_dir
 from galewood.io.api.models import pressure_at_origin
 from galewood.io.api.tables import MotionTable
 from galewood.motion.wind import Wind
-from galewood.options import EvaluationOptions
+from galewood.options import EVALUATION_SEED, EvaluationOptions
 from galewood.util import Floats
 
 
@@ -26,7 +26,7 @@ def evaluate(
     *,
     duration_s: float = 20.0,
     sway: float | None = None,
-    seed: int = 20_001,
+    seed: int = EVALUATION_SEED,
     cache_dir: Path | None = None,
     on_progress: Callable[[float, str], None] | None = None,
 ) -> dict[str, Any]:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from galewood.io.api.tables import MotionTable
 from galewood.io.export import ExportKind, ExportOptions, write_export
 
 
-@dataclass(frozen=True, kw_only=True)
 class ExportCall(ExportOptions):
     """Everything that can be chosen about an export in a program."""
 
@@ -42,7 +40,8 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
         The description that is also written as JSON; ``measured`` holds error and seam, in % of the height.
 
     Raises:
-        ExportError: An option is out of range, or a package is missing (a ValueError).
+        ExportError: A package is missing, or the mesh is another tree's (a ValueError).
+        pydantic.ValidationError: An option is unknown or out of range (a ValueError).
         ValueError: The table has no mesh.
     """
     if table.render_glb is None:

@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from galewood.io.api.tables import MotionTable
 from galewood.motion.wind import Wind, WindField
-from galewood.player import Method, WindDrivenTrees, grid_placements
+from galewood.options import Method
+from galewood.player import WindDrivenTrees, grid_placements
 from galewood.solid.skinning import drawn_positions, joint_rows
 from galewood.util import Floats, Ints
 

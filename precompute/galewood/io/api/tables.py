@@ -95,22 +95,11 @@ class MotionTable:
 
 
 class BuildCall(TableRequest):
-    """Everything that can be chosen about a build in a program."""
+    """Everything that can be chosen about a build in a program; ``build`` describes what it adds."""
 
-    reference_frames: int = Field(
-        default=0,
-        ge=0,
-        description="Frames of a run that is compared with the quadratic reference elements; 0: none.",
-    )
-    on_progress: Callable[[Progress], None] | None = Field(
-        default=None,
-        description="Receives ``Progress(stage, fraction, message)``; whatever it raises stops the build.",
-    )
-    cache_dir: Path | None = Field(
-        default=None,
-        description="Folder for meshes and training runs; default: the user's cache folder. A build that was "
-        "stopped continues from there.",
-    )
+    reference_frames: int = Field(default=0, ge=0)
+    on_progress: Callable[[Progress], None] | None = None
+    cache_dir: Path | None = None
 
 
 @with_keywords_of(BuildCall)
@@ -121,9 +110,9 @@ def build(tree: Tree, options: BuildCall) -> MotionTable:
         tree: The tree (``galewood.read``).
         options: The fields of ``galewood.TableRequest`` as keywords, such as ``design_speed_m_s``, ``modes``
             and ``seed``; also ``on_progress``, which receives ``Progress(stage, fraction, message)`` and may
-            stop the build by raising; ``cache_dir``, the folder for meshes and training runs, from which a
-            build that was stopped continues; and ``reference_frames``, the length of a run that is compared
-            with the quadratic reference elements.
+            stop the build by raising; ``cache_dir``, the folder for meshes and training runs, by default in
+            the user's cache folder, from which a build that was stopped continues; and ``reference_frames``,
+            the length of a run that is compared with the quadratic reference elements, 0 for none.
 
     Raises:
         MeshError: The wood cannot be meshed.

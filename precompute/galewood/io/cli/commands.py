@@ -16,7 +16,7 @@ from galewood.io.cli.request_options import validated, with_options_of
 from galewood.io.cli.tools import (
     CacheDir,
     JsonOut,
-    Method,
+    MethodOption,
     SpeciesDir,
     console,
     progress_bar,
@@ -46,7 +46,7 @@ def simulate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
     seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
     trees: Annotated[int, typer.Option(help="Number of trees, 10 m apart.")] = 16,
-    method: Method = "modal",
+    method: MethodOption = "modal",
     json_out: JsonOut = None,
     **chosen: Any,
 ) -> None:
@@ -65,7 +65,7 @@ def simulate(
 
 
 @app.command()
-@with_options_of(EvaluationOptions, without=("converged",))
+@with_options_of(EvaluationOptions, defaults={"converged": True})
 def evaluate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
     mesh: Annotated[
@@ -77,9 +77,6 @@ def evaluate(
         typer.Option(exists=True, dir_okay=False, help="Model file (.npz); default: found in the cache."),
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Plot of the errors over time to write.")] = None,
-    converged: Annotated[
-        bool, typer.Option(help="Also compare with time steps a quarter as long (five times the work).")
-    ] = True,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
     **chosen: Any,
@@ -88,7 +85,7 @@ def evaluate(
     from galewood.check.evaluation import SourceError, run_evaluation
     from galewood.util import MeshError
 
-    options = validated(EvaluationOptions, {**chosen, "converged": converged})
+    options = validated(EvaluationOptions, chosen)
     try:
         with progress_bar() as bar:
             report = progress_reporter(bar)
@@ -190,7 +187,8 @@ def ship(
     cache_dir: CacheDir = Path("data/cache"),
 ) -> None:
     """Build the tables that are distributed with the built-in trees, where they are out of date."""
-    from galewood.pipeline.stages import SHIPPED_FOLDER, builtin_meshes, outdated
+    from galewood.pipeline.shipped import SHIPPED_FOLDER
+    from galewood.pipeline.stages import builtin_meshes, outdated
 
     meshes = {mesh.name: mesh for mesh in builtin_meshes(species_dir)}
     unknown = set(names or ()) - set(meshes)
@@ -205,7 +203,7 @@ def ship(
 
 
 def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:
-    from galewood.pipeline.stages import SHIPPED_FOLDER
+    from galewood.pipeline.shipped import SHIPPED_FOLDER
     from galewood.pipeline.stages import ship as ship_tree
 
     with progress_bar() as bar:

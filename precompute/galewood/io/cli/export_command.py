@@ -11,6 +11,7 @@ from pydantic import Field
 from galewood.io.cli.request_options import validated, with_options_of
 from galewood.io.cli.tools import JsonOut, console, progress_bar, progress_reporter, write_figures
 from galewood.io.cli.wind_options import WindOptions
+from galewood.io.export import LoopOptions
 
 if TYPE_CHECKING:
     from galewood.io.export import ExportOptions
@@ -27,24 +28,26 @@ MESH_HELP = "Mesh of the table; default: TABLE with .glb."
 Mesh = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help=MESH_HELP)]
 
 
-class Moving(WindOptions):
+LoopLength = Annotated[
+    float | None, typer.Option(help=f"Length of the loop, s (default {LoopOptions().loop_s:g}).")
+]
+
+
+class Moving(WindOptions, LoopOptions):
     """How the exported tree moves."""
 
-    loop_s: float | None = Field(default=None, description="Length of the loop, s (default 8).")
-    fps: float = Field(default=30.0, description="Frames per second.")
-    format: str = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
-    bones: int = Field(default=256, description="Maximum number of bones.")
     seconds: float = Field(default=10.0, ge=0.1, le=600.0, description="--to glb: length without a loop, s.")
     loop: bool = Field(default=False, description="--to glb: repeat after --seconds.")
     run: str | None = Field(default=None, description="--to glb: export this sampled run instead of a wind.")
 
 
-@with_options_of(Moving)
+@with_options_of(Moving, without=("loop_s",))
 def export(
     table: TableFile,
     to: To = "glb",
     out: Out = None,
     mesh: Mesh = None,
+    loop_s: LoopLength = None,
     json_out: JsonOut = None,
     **chosen: Any,
 ) -> None:
@@ -53,15 +56,14 @@ def export(
     from galewood.motion.wind import WindError
     from galewood.table import TableError, decode
 
-    moving = validated(Moving, chosen)
+    moving = validated(Moving, {**chosen, "loop_s": loop_s})
     try:
         wind, decoded, glb = moving.chosen(), decode(table.read_bytes()), _mesh_of(table, mesh)
-        if to == "glb" and moving.loop_s is None:
+        if to == "glb" and loop_s is None:
             _write_glb(decoded, glb, out or table.with_suffix(".sway.glb"), wind, moving)
             return
-        options = ExportOptions(
-            wind, moving.loop_s or 8.0, moving.fps, moving.format, moving.bones,  # type: ignore[arg-type]
-        )  # fmt: skip
+        loop = moving.model_dump(include=set(LoopOptions.model_fields))
+        options = ExportOptions(wind=wind, **loop)
         _write(decoded, glb, to, out or table.with_name(f"{table.stem}-{to}"), options, json_out)
     except (ExportError, TableError, WindError, KeyError, OSError, ValueError) as error:
         console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
@@ -38,14 +38,19 @@ Command = TypeVar("Command", bound=Callable[..., None])
 
 
 def with_options_of(
-    model: type[BaseModel], *, only: tuple[str, ...] = (), without: tuple[str, ...] = ()
+    model: type[BaseModel],
+    *,
+    only: tuple[str, ...] = (),
+    without: tuple[str, ...] = (),
+    defaults: Mapping[str, Any] | None = None,
 ) -> Callable[[Command], Command]:
     """Give a command an option for each field of a model, in place of its parameter ``**chosen``.
 
-    The options have the names, descriptions and defaults of the fields; ``validated`` checks their limits.
+    The options have the names, descriptions and defaults of the fields, unless ``defaults`` has others;
+    ``validated`` checks their limits.
     Fields that hold several values are given several times.
     """
-    several = list_fields(model)
+    several, own_defaults = list_fields(model), defaults or {}
     names = only or tuple(name for name in model.model_fields if name not in without)
 
     def option(name: str) -> inspect.Parameter:
@@ -55,9 +60,8 @@ def with_options_of(
         flags = f"--{flag}/--no-{flag}" if switch else f"--{flag}"
         kind: Any = list[str] | None if name in several else annotated
         annotation = Annotated[kind, typer.Option(flags, help=field.description)]
-        return inspect.Parameter(
-            name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=annotation
-        )
+        default = own_defaults.get(name, field.default)
+        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
     def changed(command: Command) -> Command:
         types = get_type_hints(command, include_extras=True)

@@ -6,21 +6,20 @@ import json
 from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from galewood.options import METHOD_HELP, Method
 
 JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
 CacheDir = Annotated[Path, typer.Option(help="Folder for meshes and training runs, reused by later runs.")]
 SpeciesDir = Annotated[
     Path, typer.Option(exists=True, file_okay=False, help="Folder of the built-in trees: poplar.glb, ...")
 ]
-Method = Annotated[
-    Literal["modal", "paper"],
-    typer.Option(help="modal: the default method; paper: the state search of the paper."),
-]
+MethodOption = Annotated[Method, typer.Option(help=METHOD_HELP)]
 console = Console(stderr=True)
 
 

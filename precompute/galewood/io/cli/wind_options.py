@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, Field
 
-if TYPE_CHECKING:
-    from galewood.motion.wind import Wind
+from galewood.motion.wind import PRESETS, Wind, WindError, parse_wind
+
+DEFAULT_WIND = Wind()
 
 
 class WindOptions(BaseModel):
@@ -18,19 +18,22 @@ class WindOptions(BaseModel):
 
     wind: str | None = Field(
         default=None,
-        description="Preset (still, breeze, autumn-gusts, storm-front) or file of a wind document.",
+        description=f"Preset ({', '.join(PRESETS)}) or file of a wind document.",
     )
-    speed: float | None = Field(default=None, description="Mean wind speed, m/s (default 8).")
+    speed: float | None = Field(
+        default=None, description=f"Mean wind speed, m/s (default {DEFAULT_WIND.mean_speed_m_s:g})."
+    )
     direction: float | None = Field(
-        default=None, description="Direction the wind blows towards, degrees (default 30)."
+        default=None,
+        description=f"Direction the wind blows towards, degrees (default {DEFAULT_WIND.direction_deg:g}).",
     )
-    gustiness: float | None = Field(default=None, description="Gustiness, 0 (steady) to 1 (default 0.5).")
-    seed: int | None = Field(default=None, description="Seed of the gusts (default 1).")
+    gustiness: float | None = Field(
+        default=None, description=f"Gustiness, 0 (steady) to 1 (default {DEFAULT_WIND.gustiness:g})."
+    )
+    seed: int | None = Field(default=None, description=f"Seed of the gusts (default {DEFAULT_WIND.seed}).")
 
     def chosen(self) -> Wind:
         """The preset, the document or the default wind, with the given values. OSError or ValueError."""
-        from galewood.motion.wind import PRESETS, Wind, WindError, parse_wind
-
         given = {
             "mean_speed_m_s": self.speed,
             "direction_deg": self.direction,
@@ -39,7 +42,7 @@ class WindOptions(BaseModel):
         }
         name = self.wind
         if name is None:
-            wind = Wind()
+            wind = DEFAULT_WIND
         elif name in PRESETS:
             wind = PRESETS[name]
         elif Path(name).is_file():

@@ -15,7 +15,7 @@ from galewood.io.export.errors import ExportError
 from galewood.io.export.glb import animated_glb, linear_error_percent
 from galewood.io.export.gltf_file import GltfFile
 from galewood.io.export.looped import Loop, looped, seam_percent
-from galewood.io.export.options import FORMATS, KINDS, ExportOptions
+from galewood.io.export.options import KINDS, ExportOptions
 from galewood.io.export.pivots import export_pivots
 from galewood.io.export.skeletal.bones import export_bones
 from galewood.io.export.usd.stage import export_usd
@@ -23,7 +23,6 @@ from galewood.io.export.vat import export_vat
 from galewood.motion.wind import parse_wind
 from galewood.table import Table
 
-FEWEST_BONES = 4
 OnProgress = Callable[[float, str], None]
 
 
@@ -48,10 +47,11 @@ def write_export(
         on_progress: Receives the completed fraction and a message.
 
     Raises:
-        ExportError: An option is out of range, the mesh is another tree's, or a package is missing.
+        ExportError: There is no such kind, the mesh is another tree's, or a package is missing.
     """
     chosen, report = options or ExportOptions(), on_progress or _no_progress
-    _check(kind, chosen)
+    if kind not in KINDS:
+        raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
     report(0.0, "Playing the wind until the motion repeats")
     loop = looped(table, chosen.wind, chosen.loop_s, chosen.fps)
     folder.mkdir(parents=True, exist_ok=True)
@@ -59,15 +59,6 @@ def write_export(
     description = _write(table, glb, kind, folder, name, chosen, loop)
     report(1.0, "Done")
     return description
-
-
-def _check(kind: str, options: ExportOptions) -> None:
-    if kind not in KINDS:
-        raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
-    if options.format not in FORMATS:
-        raise ExportError(f"there is no texture format {options.format!r}; choose {' or '.join(FORMATS)}")
-    if options.bones < FEWEST_BONES:
-        raise ExportError(f"a skeleton needs at least {FEWEST_BONES} bones, not {options.bones}")
 
 
 def _write(

@@ -6,15 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.io.export.errors import ExportError
 from galewood.motion.wind import Wind
 from galewood.player import periodic_motion
 from galewood.solid.skinning import drawn_positions
 from galewood.table import Table
 from galewood.util import Floats
-
-SHORTEST_S, LONGEST_S = 1.0, 120.0
-LEAST_FPS, MOST_FPS = 5.0, 120.0
 
 
 @dataclass(frozen=True)
@@ -47,11 +43,7 @@ class Loop:
 
 
 def looped(table: Table, wind: Wind, loop_s: float, fps: float) -> Loop:
-    """One period of the motion in a wind. Raises ExportError for a length or rate out of range."""
-    if not SHORTEST_S <= loop_s <= LONGEST_S:
-        raise ExportError(f"a loop lasts {SHORTEST_S:g} to {LONGEST_S:g} s, not {loop_s:g} s")
-    if not LEAST_FPS <= fps <= MOST_FPS:
-        raise ExportError(f"exports have {LEAST_FPS:g} to {MOST_FPS:g} frames per second, not {fps:g}")
+    """One period of the motion in a wind."""
     motion = periodic_motion(table, wind, loop_s)
     seconds = len(motion.q) * motion.dt_s
     return Loop(wind, motion.q, motion.after, seconds, max(2, round(seconds * fps)))

@@ -2,39 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 
 from galewood.motion.wind import Wind
 
 ExportKind = Literal["vat", "bones", "pivots", "usd", "glb"]
 KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
 TextureFormat = Literal["exr", "png"]
-FORMATS: tuple[TextureFormat, ...] = get_args(TextureFormat)
 EXPORT_REVISION = 1
 """Increased when the files of the same options change: services keep exports by it."""
 MOST_BONES = 256
 """Of one skin: what Unity, Unreal and Godot take without changing their settings."""
 
 
-@dataclass(frozen=True)
-class ExportOptions:
-    """What to export: the wind, the length of its loop and the frame rate; and what single kinds need."""
+class LoopOptions(BaseModel):
+    """The loop that an exported tree plays, and what single kinds of export need."""
 
-    wind: Wind = field(default_factory=Wind)
-    loop_s: float = 8.0
-    fps: float = 30.0
-    format: TextureFormat = "exr"
-    """Of vertex animation textures."""
-    bones: int = MOST_BONES
-    """Maximum number of bones."""
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    loop_s: float = Field(default=8.0, ge=1, le=120, description="Length of the loop, s.")
+    fps: float = Field(default=30.0, ge=5, le=120, description="Frames per second.")
+    format: TextureFormat = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
+    bones: int = Field(default=MOST_BONES, ge=4, description="Maximum number of bones.")
+
+
+class ExportOptions(LoopOptions):
+    """What to export: a wind and the loop of a tree in it."""
+
+    wind: InstanceOf[Wind] = Field(default_factory=Wind)
 
     def document(self) -> dict[str, Any]:
         """The options as JSON, in a fixed order."""
-        return {
-            "wind": self.wind.document(),
-            "loop_s": self.loop_s,
-            "fps": self.fps,
-            "format": self.format,
-            "bones": self.bones,
-        }
+        return {"wind": self.wind.document(), **self.model_dump(exclude={"wind"})}

@@ -13,6 +13,7 @@ import numpy as np
 
 from galewood.constants import WIND_MODELS
 from galewood.motion.wind import Wind, WindField
+from galewood.options import METHOD_NAMES
 from galewood.pipeline.sampling import SampleTask, run_task
 from galewood.pipeline.stages.build import build_table
 from galewood.pipeline.stages.options import BuildOptions
@@ -109,7 +110,7 @@ def _first_runs(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> lis
 
 def _play(table: Table) -> None:
     trees = [[0.0, 0.0, 0.0, 1.0], [10.0, 5.0, 1.0, 0.8]]
-    for method in ("modal", "paper"):
+    for method in METHOD_NAMES:
         forest = WindDrivenTrees(table, trees, method)
         for model in WIND_MODELS:
             forest.step(WindField(Wind(model=model)), 1.0, 1 / 30)

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
+from galewood.options import EVALUATION_SEED, EvaluationSeed
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sqlalchemy import select
 from sse_starlette import EventSourceResponse
@@ -50,9 +51,7 @@ class EvaluationRequest(BaseModel):
     )
     speed_m_s: float | None = Field(default=None, ge=0.5, le=60, description="Peak speed of each wind.")
     frames: int = Field(default=300, ge=60, le=1800, description="Frames per wind, 1/30 s each.")
-    seed: int = Field(
-        default=20_001, ge=0, lt=2**31, description="Random seed of the wind directions and times."
-    )
+    seed: EvaluationSeed = EVALUATION_SEED
 
     @model_validator(mode="after")
     def _one_strength(self) -> Self:

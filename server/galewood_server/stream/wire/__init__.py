@@ -5,7 +5,7 @@ need not check them.
 """
 
 from galewood_server.stream.wire.envelope import WireError, decode_message, pack_msgpack
-from galewood_server.stream.wire.forest import Forest, Group, Method, Shared, Trees, is_share
+from galewood_server.stream.wire.forest import Forest, Group, Shared, Trees, is_share
 from galewood_server.stream.wire.frame import Frame, Poses, Rows, encode_frame
 from galewood_server.stream.wire.messages import (
     Clock,
@@ -37,7 +37,6 @@ __all__ = [
     "Group",
     "Gust",
     "Hello",
-    "Method",
     "Pause",
     "Ping",
     "Pong",

@@ -10,6 +10,7 @@ from typing import Any, Literal, cast
 import numpy as np
 import numpy.typing as npt
 from galewood.constants import FOREST_OPTIONS, MOST_ABOUT_ENTRIES, WIRE_FOREST, WIRE_SHARED
+from galewood.options import METHOD_NAMES, Method
 
 from galewood_server.stream.wire.envelope import (
     Header,
@@ -25,7 +26,6 @@ from galewood_server.stream.wire.envelope import (
 )
 
 Mode = Literal["stream", "table"]
-Method = Literal["modal", "paper"]
 Trees = npt.NDArray[np.float32]
 About = Mapping[str, str | int | float | bool]
 _SHARE = re.compile(r"[A-Za-z0-9_-]{1,64}")
@@ -158,8 +158,8 @@ def _easing(options: Header) -> float | None:
 
 def _method(options: Header) -> Method:
     method = text(options, "method")
-    if method not in ("modal", "paper"):
-        raise WireError("method must be 'modal' or 'paper'")
+    if method not in METHOD_NAMES:
+        raise WireError(f"method must be {' or '.join(map(repr, METHOD_NAMES))}")
     return method
 
 

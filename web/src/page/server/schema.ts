@@ -136,7 +136,7 @@ export interface Schemas {
     speed_m_s?: number | null;
     /** Frames per wind, 1/30 s each. */
     frames?: number;
-    /** Random seed of the wind directions and times. */
+    /** Seed of the winds' directions and timing. */
     seed?: number;
   };
   /** Response of /healthz. */
