@@ -4,11 +4,14 @@
 # One image serves as server, scheduler and worker.
 
 FROM node:24-bookworm-slim@sha256:6f7b03f7c2c8e2e784dcf9295400527b9b1270fd37b7e9a7285cf83b6951452d AS page
-WORKDIR /app/web
-COPY web/package.json web/package-lock.json ./
-COPY web/player/package.json player/package.json
+WORKDIR /app
+COPY package.json package-lock.json tsconfig.json ./
+COPY web/package.json web/package.json
+COPY web/player/package.json web/player/package.json
+COPY tools/species/package.json tools/species/package.json
 RUN npm ci --no-audit --no-fund
-COPY web ./
+COPY web web
+WORKDIR /app/web
 RUN npm run build && npm run build:player
 
 FROM python:3.11-slim-bookworm@sha256:a36c24f9cbdf4fd0f52d67f0823eeac19c2028c637cecc392d97f980d4fec56b AS wheel

@@ -19,7 +19,7 @@ PYTEST ?= $(BIN)/python -m pytest
 WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__pycache__/*' 2>/dev/null) \
 	pyproject.toml setup.py README.md LICENSE NOTICE
 KERNEL_SOURCES := precompute/galewood/constants.py $(shell grep -rl numba precompute/galewood --include='*.py' 2>/dev/null)
-WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json \
+WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/null) web/index.html web/vite.config.ts tsconfig.json \
 	web/player/package.json
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
@@ -43,15 +43,15 @@ $(VENV)/.dev: requirements/dev.txt requirements/client.txt $(VENV)/.base
 	@$(PIP_INSTALL) -r requirements/client.txt
 	@touch $@
 
-web/node_modules/.stamp: web/package-lock.json
+node_modules/.stamp: package-lock.json
 	@echo "Setting up the page's packages (once)"
-	@cd web && npm ci --no-audit --no-fund --loglevel=error
+	@npm ci --no-audit --no-fund --loglevel=error
 	@touch $@
 
-web/dist/index.html: web/node_modules/.stamp $(WEB_SOURCES)
+web/dist/index.html: node_modules/.stamp $(WEB_SOURCES)
 	@cd web && npm run --silent build -- --logLevel warn
 
-web/player/dist/core.js: web/node_modules/.stamp $(PLAYER_SOURCES)
+web/player/dist/core.js: node_modules/.stamp $(PLAYER_SOURCES)
 	@cd web && npm run --silent build:player
 
 # The longest step of a first build.
@@ -93,7 +93,7 @@ test-long: ## the tests that `make test` leaves out: the wheel, documents, whole
 
 test-all: test test-long ## every test but those of test-species, test-distributed and test-containers
 
-check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
+check: $(VENV)/.dev node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-cache
@@ -101,8 +101,8 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/python -m scripts.check_constants
 	$(BIN)/python scripts/structure.py
 	$(BIN)/vulture
-	web/node_modules/.bin/pyright
-	cd web && npm run --silent lint && npm run --silent unused && npm run --silent typecheck
+	node_modules/.bin/pyright
+	npm run --silent lint && npm run --silent unused && npm run --silent typecheck
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.github-workflows .github/workflows/ci.yml
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
@@ -115,7 +115,7 @@ test-python-long: $(VENV)/.dev wheel
 	$(PYTEST) -n 2 --dist loadfile -m long
 
 test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
-	$(PYTEST) -m species -rP tests/precompute/test_species_accuracy.py
+	$(PYTEST) -m species -rP tests/precompute/check/test_species_accuracy.py
 
 test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far from the repository
 	$(PYTEST) tests/package
@@ -126,16 +126,16 @@ test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible st
 test-containers: ## start the containers and build a tree through the proxy; needs Docker with Compose
 	scripts/compose-smoke
 
-test-web: web/node_modules/.stamp web/player/dist/core.js ## the TypeScript unit tests
-	cd web && npm test --silent
+test-web: node_modules/.stamp web/player/dist/core.js ## the TypeScript unit tests
+	npm test --silent
 
 test-e2e: build player browser ## the page in a real Chromium against a real server
-	cd web && npm run --silent e2e -- --grep-invert @long
+	npm run --silent e2e -- --grep-invert @long
 
 test-e2e-long: build player browser
-	cd web && npm run --silent e2e -- --grep @long
+	npm run --silent e2e -- --grep @long
 
-browser: web/node_modules/.stamp ## a Chromium for the tests, where the machine has none
+browser: node_modules/.stamp ## a Chromium for the tests, where the machine has none
 	@scripts/install-browser
 
 bench: build browser ## speed and memory, as ratios to named rivals; writes build/bench.json and build/bench-web.json
@@ -146,13 +146,13 @@ bench: build browser ## speed and memory, as ratios to named rivals; writes buil
 docs: $(VENV)/.dev ## build the documentation site into build/docs; fails on broken links
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
-format: $(VENV)/.dev web/node_modules/.stamp ## rewrite the sources in the project's format
+format: $(VENV)/.dev node_modules/.stamp ## rewrite the sources in the project's format
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
-	cd web && npm run --silent format
+	npm run --silent format
 
-species: web/node_modules/.stamp build/.kernels ## grow the three species again, and build their shipped tables
-	cd web && npm run --silent grow
+species: node_modules/.stamp build/.kernels ## grow the three species again, and build their shipped tables
+	cd tools/species && npm run --silent grow
 	$(BIN)/galewood ship
 
 page-types: $(VENV)/.base ## write the page's types of the REST interface again
@@ -182,4 +182,4 @@ build/audit/.made: requirements/audit.txt
 	@touch $@
 
 clean: ## remove what the targets above made (not the data directory)
-	rm -rf build dist web/dist web/player/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report
+	rm -rf build dist web/dist web/player/dist node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report

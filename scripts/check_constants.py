@@ -13,7 +13,7 @@ from typing import cast
 
 from scripts.write_constants import ROOT, SOURCE_FILE, generated, read_groups
 
-SEARCHED_FOLDERS = (("precompute", ".py"), ("server", ".py"), ("web", ".ts"))
+SEARCHED_FOLDERS = (("precompute", ".py"), ("server", ".py"), ("web", ".ts"), ("tools", ".ts"))
 """Folders in which no shared constant is typed, and the ending of their modules."""
 BUILT_FOLDERS = {"node_modules", "dist", "__pycache__"}
 COINCIDENCES: Mapping[str, str] = {

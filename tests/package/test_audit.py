@@ -72,8 +72,8 @@ def test_an_advisory_fails(audit: Audit, answers: tuple[list[dict[str, Any]], di
     assert ran.returncode == 1 and "packages with advisories were found" in ran.stderr
     lines = ran.stdout.splitlines()
     if answers[1]:
-        assert "web/package-lock.json: vite <6.0.1: high; Reads any file (/advisories/1)" in lines
-        assert "web/package-lock.json: vitest <3: high; vite" in lines
+        assert "package-lock.json: vite <6.0.1: high; Reads any file (/advisories/1)" in lines
+        assert "package-lock.json: vitest <3: high; vite" in lines
     else:
         assert "requirements/base.txt: pillow 9.0.0: PYSEC-1, fixed in 9.0.1" in lines
 

@@ -191,11 +191,10 @@ def licence(found: PackageMetadata) -> str:
 
 
 def javascript(*kinds: str) -> set[str]:
-    """The direct dependencies of the page and of the package galewood; three-186 is an older three."""
-    manifests = [
-        json.loads((REPOSITORY / "web" / name).read_text())
-        for name in ("package.json", "player/package.json")
-    ]
+    """The direct dependencies of the page, the package galewood, the tools and tests; three-186 is an older three."""
+    root = json.loads((REPOSITORY / "package.json").read_text())
+    folders = [REPOSITORY / name for name in root["workspaces"]]
+    manifests = [root, *(json.loads((folder / "package.json").read_text()) for folder in folders)]
     names = {name for manifest in manifests for kind in kinds for name in manifest.get(kind, {})}
     return {re.sub(r"^three-\d+$", "three", name) for name in names} - {"galewood"}
 

@@ -16,7 +16,6 @@ from scripts import structure as limits
 
 REPOSITORY = Path(__file__).parents[2]
 VULTURE = Path(sys.executable).with_name("vulture")
-NODE_MODULES = REPOSITORY / "web" / "node_modules"
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "node_modules", "dist", "results", "data", "*.glb", "*.npz")
 
 
@@ -190,10 +189,11 @@ def test_a_name_that_no_other_package_imports_is_found(tmp_path: Path) -> None:
 
 
 def test_an_unused_export_or_file_is_found(tmp_path: Path) -> None:
-    copied(("package.json", "web", "tests/web", "tests/e2e"), tmp_path)
-    (tmp_path / "web" / "node_modules").symlink_to(NODE_MODULES)
+    root_files = ("package.json", "knip.jsonc", "tsconfig.json", "vitest.config.ts")
+    copied((*root_files, "web", "tools", "tests/web", "tests/tools", "tests/e2e"), tmp_path)
+    (tmp_path / "node_modules").symlink_to(REPOSITORY / "node_modules")
     unused: list[str | Path] = ["npm", "run", "--silent", "unused"]
-    found = checked(unused, tmp_path / "web")
+    found = checked(unused, tmp_path)
     assert found.returncode == 0, found.stdout + found.stderr
     for file in ("web/src/page/planted.ts", "web/player/src/core/planted.ts"):
         (tmp_path / file).write_text("export const used = 1;\nexport const plantedExport = used;\n")
@@ -204,7 +204,7 @@ def test_an_unused_export_or_file_is_found(tmp_path: Path) -> None:
         'import { used as other } from "../../web/player/src/core/planted";\n'
         "console.log(used, other);\n"
     )
-    found = checked(unused, tmp_path / "web")
+    found = checked(unused, tmp_path)
     assert found.returncode == 1
     words = found.stdout.split()
     assert "web/src/page/plantedFile.ts" in words

@@ -7,10 +7,10 @@ import { promisify } from "node:util";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 /**
- * Import rules and limits of web/biome.json and compiler configurations of core and worker: each violation below is
+ * Import rules and limits of biome.json and compiler configurations of core and worker: each violation below is
  * created in a temporary folder with the configuration of the project and must be rejected.
  */
-const WEB = fileURLToPath(new URL("../../web", import.meta.url));
+const REPOSITORY = fileURLToPath(new URL("../..", import.meta.url));
 const run = promisify(execFile);
 
 let root = "";
@@ -29,7 +29,7 @@ function plant(folder: string, files: Record<string, string>): void {
 /** Output of a program, and whether it succeeded. */
 async function check(command: string, args: string[], cwd: string): Promise<{ passes: boolean; text: string }> {
   try {
-    const { stdout, stderr } = await run(join(WEB, "node_modules/.bin", command), args, { cwd });
+    const { stdout, stderr } = await run(join(REPOSITORY, "node_modules/.bin", command), args, { cwd });
     return { passes: true, text: stdout + stderr };
   } catch (error) {
     const { stdout = "", stderr = "" } = error as { stdout?: string; stderr?: string };
@@ -41,7 +41,7 @@ let folders = 0;
 async function lint(files: Record<string, string>) {
   const folder = join(root, `lint-${folders++}`);
   mkdirSync(folder);
-  copyFileSync(join(WEB, "biome.json"), join(folder, "biome.json"));
+  copyFileSync(join(REPOSITORY, "biome.json"), join(folder, "biome.json"));
   plant(folder, files);
   return check("biome", ["lint", "--colors=off", "."], folder);
 }
@@ -51,30 +51,30 @@ const importingType = (specifier: string) => `import type { Thing } from "${spec
 
 describe("biome rejects", () => {
   test.each([
-    ["player/src/core/wind/planted.ts", "three", "core draws nothing"],
-    ["player/src/core/wind/planted.ts", "three/addons/controls/OrbitControls.js", "core draws nothing"],
-    ["player/src/core/wind/planted.ts", "../../worker/protocol", "core imports nothing from outside core"],
-    ["player/src/core/wind/planted.ts", "../../trees/detail", "core imports nothing from outside core"],
-    ["player/src/core/wind/planted.ts", "../../three/forest", "core imports nothing from outside core"],
-    ["player/src/core/wind/planted.ts", "../../../../src/scene/quality", "core imports nothing from outside core"],
-    ["player/src/core/wind/planted.ts", "galewood/trees", "The package uses its own files"],
-    ["player/src/worker/planted.ts", "three", "The worker draws nothing"],
-    ["player/src/worker/motion/planted.ts", "../../trees/culling", "The worker imports core only"],
-    ["player/src/worker/motion/planted.ts", "../../../../src/page/settings/settings", "The worker imports core only"],
-    ["player/src/trees/planted.ts", "../three/forest", "The tree code imports core"],
-    ["player/src/trees/planted.ts", "../worker/motion/blend", "The tree code imports core"],
-    ["player/src/trees/nodes/planted.ts", "../../worker/motion/blend", "The tree code imports core"],
-    ["player/src/trees/planted.ts", "../../../src/scene/sky/air", "The tree code imports core"],
-    ["player/src/trees/planted.ts", "../../../src/page/app", "The tree code imports core"],
-    ["player/src/three/planted.ts", "../../../src/page/app", "The package knows nothing of the page"],
-    ["player/src/three/planted.ts", "../../../src/scene/sky/air", "The package knows nothing of the page"],
-    ["player/src/planted.ts", "../../src/page/app", "The package knows nothing of the page"],
-    ["player/src/planted.ts", "galewood/core", "The package uses its own files"],
-    ["src/scene/sky/planted.ts", "../../page/app", "scene knows nothing of the page"],
-    ["src/scene/sky/planted.ts", "galewood/client-worker", "scene starts no worker"],
-    ["src/scene/sky/planted.ts", "../../../player/src/trees/culling", "by its public subpaths"],
-    ["src/page/planted.ts", "../../player/src/core/wind/wind", "by its public subpaths"],
-    ["src/page/ui/planted.ts", "../../../player/dist/core.js", "by its public subpaths"],
+    ["web/player/src/core/wind/planted.ts", "three", "core draws nothing"],
+    ["web/player/src/core/wind/planted.ts", "three/addons/controls/OrbitControls.js", "core draws nothing"],
+    ["web/player/src/core/wind/planted.ts", "../../worker/protocol", "core imports nothing from outside core"],
+    ["web/player/src/core/wind/planted.ts", "../../trees/detail", "core imports nothing from outside core"],
+    ["web/player/src/core/wind/planted.ts", "../../three/forest", "core imports nothing from outside core"],
+    ["web/player/src/core/wind/planted.ts", "../../../../src/scene/quality", "core imports nothing from outside core"],
+    ["web/player/src/core/wind/planted.ts", "galewood/trees", "The package uses its own files"],
+    ["web/player/src/worker/planted.ts", "three", "The worker draws nothing"],
+    ["web/player/src/worker/motion/planted.ts", "../../trees/culling", "The worker imports core only"],
+    ["web/player/src/worker/motion/planted.ts", "../../../../src/page/settings/settings", "The worker imports core only"],
+    ["web/player/src/trees/planted.ts", "../three/forest", "The tree code imports core"],
+    ["web/player/src/trees/planted.ts", "../worker/motion/blend", "The tree code imports core"],
+    ["web/player/src/trees/nodes/planted.ts", "../../worker/motion/blend", "The tree code imports core"],
+    ["web/player/src/trees/planted.ts", "../../../src/scene/sky/air", "The tree code imports core"],
+    ["web/player/src/trees/planted.ts", "../../../src/page/app", "The tree code imports core"],
+    ["web/player/src/three/planted.ts", "../../../src/page/app", "The package knows nothing of the page"],
+    ["web/player/src/three/planted.ts", "../../../src/scene/sky/air", "The package knows nothing of the page"],
+    ["web/player/src/planted.ts", "../../src/page/app", "The package knows nothing of the page"],
+    ["web/player/src/planted.ts", "galewood/core", "The package uses its own files"],
+    ["web/src/scene/sky/planted.ts", "../../page/app", "scene knows nothing of the page"],
+    ["web/src/scene/sky/planted.ts", "galewood/client-worker", "scene starts no worker"],
+    ["web/src/scene/sky/planted.ts", "../../../player/src/trees/culling", "by its public subpaths"],
+    ["web/src/page/planted.ts", "../../player/src/core/wind/wind", "by its public subpaths"],
+    ["web/src/page/ui/planted.ts", "../../../player/dist/core.js", "by its public subpaths"],
   ])("%s importing %s", async (file, specifier, message) => {
     for (const text of [importing(specifier), importingType(specifier)]) {
       const { passes, text: said } = await lint({ [file]: text });
@@ -88,7 +88,7 @@ describe("biome rejects", () => {
     ["values", importing],
     ["types", importingType],
   ])("a cycle of %s", async (_, text) => {
-    const files = { "src/page/a.ts": text("./b"), "src/page/b.ts": text("./c"), "src/page/c.ts": text("./a") };
+    const files = { "web/src/page/a.ts": text("./b"), "web/src/page/b.ts": text("./c"), "web/src/page/c.ts": text("./a") };
     const { passes, text: said } = await lint(files);
     expect(passes, said).toBe(false);
     expect(said).toContain("lint/suspicious/noImportCycles");
@@ -104,11 +104,12 @@ const madeOf = (count: number) =>
 
 describe("the number of parameters", () => {
   test.each([
-    ["player/src/core/planted.ts", taking(10)],
-    ["player/src/three/planted.ts", madeOf(10)],
-    ["scripts/planted.ts", taking(10)],
-    ["src/scene/planted.ts", taking(7)],
-    ["src/page/planted.ts", madeOf(7)],
+    ["web/player/src/core/planted.ts", taking(10)],
+    ["web/player/src/three/planted.ts", madeOf(10)],
+    ["web/scripts/planted.ts", taking(10)],
+    ["tools/species/planted.ts", taking(10)],
+    ["web/src/scene/planted.ts", taking(7)],
+    ["web/src/page/planted.ts", madeOf(7)],
   ])("is limited in %s", async (file, text) => {
     const { passes, text: said } = await lint({ [file]: text });
     expect(passes, said).toBe(false);
@@ -116,20 +117,20 @@ describe("the number of parameters", () => {
   });
 
   test("is allowed up to nine, in page and scene up to six", async () => {
-    const { passes, text } = await lint({ "player/src/core/planted.ts": taking(9), "src/page/planted.ts": madeOf(6) });
+    const { passes, text } = await lint({ "web/player/src/core/planted.ts": taking(9), "web/src/page/planted.ts": madeOf(6) });
     expect(passes, text).toBe(true);
   });
 });
 
 test("biome accepts the allowed imports", async () => {
   const { passes, text } = await lint({
-    "player/src/core/math/planted.ts": importing("../wind/document"),
-    "player/src/worker/motion/planted.ts": importing("../../core/table/table") + "export * from '../protocol';\n",
-    "player/src/trees/planted.ts": importing("three/addons/loaders/GLTFLoader.js") + "export * from '../worker/protocol';\n",
-    "player/src/trees/nodes/planted.ts": importing("../drawList") + "export * from '../../worker/protocol';\n",
-    "player/src/three/planted.ts": importing("../trees/detail") + "export * from '../core/forest/givenWind';\n",
-    "src/scene/planted.ts": importing("galewood/trees") + "export * from 'galewood/client';\n",
-    "src/page/planted.ts": importing("../scene/forest") + "export * from 'galewood/core';\n",
+    "web/player/src/core/math/planted.ts": importing("../wind/document"),
+    "web/player/src/worker/motion/planted.ts": importing("../../core/table/table") + "export * from '../protocol';\n",
+    "web/player/src/trees/planted.ts": importing("three/addons/loaders/GLTFLoader.js") + "export * from '../worker/protocol';\n",
+    "web/player/src/trees/nodes/planted.ts": importing("../drawList") + "export * from '../../worker/protocol';\n",
+    "web/player/src/three/planted.ts": importing("../trees/detail") + "export * from '../core/forest/givenWind';\n",
+    "web/src/scene/planted.ts": importing("galewood/trees") + "export * from 'galewood/client';\n",
+    "web/src/page/planted.ts": importing("../scene/forest") + "export * from 'galewood/core';\n",
   });
   expect(passes, text).toBe(true);
 });
@@ -145,8 +146,8 @@ describe("the compiler rejects", () => {
   ])("in %s: %s", async (project, expression, name) => {
     const folder = join(root, `tsc-${folders++}`);
     const extended = JSON.stringify({
-      extends: join(WEB, `tsconfig.${project}.json`),
-      include: ["planted.ts", join(WEB, "core-globals.d.ts")].slice(0, project === "core" ? 2 : 1),
+      extends: join(REPOSITORY, `web/tsconfig.${project}.json`),
+      include: ["planted.ts", join(REPOSITORY, "web/core-globals.d.ts")].slice(0, project === "core" ? 2 : 1),
     });
     plant(folder, { "tsconfig.json": extended, "planted.ts": `export const planted = ${expression};\n` });
     const { passes, text } = await check("tsc", ["-p", "tsconfig.json"], folder);

@@ -1,5 +1,5 @@
 import { type Accessor, Document, type Material, NodeIO } from "@gltf-transform/core";
-import type { SurfaceMesh } from "./surface";
+import type { SurfaceMesh } from "./growth/surface";
 
 /** Encoded textures of a species. */
 export interface SpeciesPictures {

@@ -1,9 +1,9 @@
 /** Grows all forms of the species into assets/species/: `npm run grow`, or some: `npm run grow poplar maple`. */
 import { mkdirSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
-import { growSpecies } from "./species/grow";
-import { SPECIES } from "./species/parameters";
-import type { Species } from "./species/species";
+import { growSpecies } from "./grow";
+import { SPECIES } from "./parameters";
+import type { Species } from "./species";
 
 const SPECIES_FOLDER = resolve(import.meta.dirname, "../../assets/species");
 const CREDITS =

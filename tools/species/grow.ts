@@ -1,14 +1,14 @@
-import { barkPictures } from "./bark-picture";
-import { leafMesh } from "./foliage";
 import { type TreeMeshes, writeGlb } from "./glb";
-import { growSkeleton } from "./growth";
-import { leafPicture } from "./leaf-picture";
-import { encodePng } from "./picture";
-import { type SkeletonNode, scaleToHeight, setGirth, skeletonJson } from "./skeleton";
+import { leafMesh } from "./growth/foliage";
+import { growSkeleton } from "./growth/growth";
+import { type SkeletonNode, scaleToHeight, setGirth, skeletonJson } from "./growth/skeleton";
+import type { SurfaceMesh } from "./growth/surface";
+import { growTwigs } from "./growth/twigs";
+import { woodMesh } from "./growth/wood";
+import { barkPictures } from "./pictures/bark-picture";
+import { leafPicture } from "./pictures/leaf-picture";
+import { encodePng } from "./pictures/picture";
 import type { Species } from "./species";
-import type { SurfaceMesh } from "./surface";
-import { growTwigs } from "./twigs";
-import { woodMesh } from "./wood";
 
 export interface GrownSpecies extends TreeMeshes {
   glb: Uint8Array;

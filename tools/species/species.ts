@@ -1,10 +1,10 @@
-import type { Bark } from "./bark-picture";
-import type { Foliage } from "./foliage";
-import type { Habit } from "./growth";
-import type { LeafLook } from "./leaf-look";
-import type { Girth } from "./skeleton";
-import type { Twigs } from "./twigs";
-import type { WoodCut } from "./wood";
+import type { Foliage } from "./growth/foliage";
+import type { Habit } from "./growth/growth";
+import type { Girth } from "./growth/skeleton";
+import type { Twigs } from "./growth/twigs";
+import type { WoodCut } from "./growth/wood";
+import type { Bark } from "./pictures/bark-picture";
+import type { LeafLook } from "./pictures/leaf-look";
 
 /** Parameters of one form of a species. */
 export interface Species {

@@ -1,7 +1,7 @@
 // One step of the modal reduced-order model for one tree, four oscillators at a time, in single precision.
 // AssemblyScript: `npm run kernel` compiles it to ../player/src/core/modal/modalKernel.wasm.ts. Addresses are in bytes;
 // ../player/src/core/modal/modalKernel.ts defines the memory layout. One of three implementations of the step, with
-// ../player/src/core/modal/modalForest.ts and numba in precompute/galewood/modal/; see docs/design/0010-kernel.md.
+// ../player/src/core/modal/modalForest.ts and numba in precompute/galewood/motion/modal/; see docs/design/0010-kernel.md.
 
 import { MODAL_REACH, MODAL_REST } from "./constants";
 import { perSpeeds, shelteredSpeeds } from "./pressure";

@@ -87,10 +87,10 @@ await widget.close();
 mkdirSync(join(DIST, "licences"));
 for (const name of ["@msgpack/msgpack", "three"])
   copyFileSync(
-    join(HERE, "../node_modules", name, "LICENSE"),
+    join(HERE, "../../node_modules", name, "LICENSE"),
     join(DIST, "licences", `${basename(name)}.txt`),
   );
-const tsc = join(HERE, "../node_modules/typescript/bin/tsc");
+const tsc = join(HERE, "../../node_modules/typescript/bin/tsc");
 execFileSync(process.execPath, [tsc, "-p", join(HERE, "tsconfig.json")], { stdio: "inherit" });
 // Node's way of finding modules needs the endings, which the sources leave out.
 const types = join(DIST, "types");

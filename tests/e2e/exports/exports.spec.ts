@@ -7,7 +7,7 @@ import { join, resolve } from "node:path";
 import { expect, test } from "@playwright/test";
 
 const REPOSITORY = resolve(__dirname, "../../..");
-const THREE = join(REPOSITORY, "web/node_modules/three");
+const THREE = join(REPOSITORY, "node_modules/three");
 const ORIGIN = "http://exports.test";
 const PAGE = `<!doctype html><title>decoders</title>
 <script type="importmap">{ "imports": {

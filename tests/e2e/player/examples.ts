@@ -7,9 +7,9 @@ import type { AddressInfo } from "node:net";
 import { extname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
-const WEB = resolve(__dirname, "../../../web");
-export const EXAMPLES = join(WEB, "player/examples");
-const TREES = resolve(__dirname, "../../../assets/species/shipped");
+const REPOSITORY = resolve(__dirname, "../../..");
+export const EXAMPLES = join(REPOSITORY, "web/player/examples");
+const TREES = join(REPOSITORY, "assets/species/shipped");
 
 const TYPES: Record<string, string> = {
   ".html": "text/html",
@@ -42,7 +42,7 @@ export async function site(folder: string, service?: string): Promise<Site> {
   const fileOf = (path: string): string => {
     if (path.startsWith("/trees/")) return join(TREES, path.slice("/trees/".length));
     if (!path.startsWith("/node_modules/")) return join(folder, path);
-    return join(WEB, path);
+    return join(REPOSITORY, path);
   };
   const server = createServer((request, answer) => {
     const { pathname } = new URL(request.url ?? "/", "http://localhost");
@@ -73,9 +73,9 @@ export async function site(folder: string, service?: string): Promise<Site> {
   };
 }
 
-const inWeb = createRequire(join(WEB, "package.json"));
+const inRepository = createRequire(join(REPOSITORY, "package.json"));
 /** Some bundlers are modules, which this file, once compiled, could not require. */
-const bundler = (name: string) => import(pathToFileURL(inWeb.resolve(name)).href);
+const bundler = (name: string) => import(pathToFileURL(inRepository.resolve(name)).href);
 
 const PAGE = '<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script type="module" src="./app.js"></script>';
 
@@ -85,8 +85,8 @@ export type Bundle = (three: string, folder: string) => Promise<void>;
 const SCENE = join(EXAMPLES, "plain/scene.js");
 /** Where a release of three.js is: the package, and its addons. */
 const filesOf = (three: string) => ({
-  main: join(WEB, "node_modules", three, "build/three.module.js"),
-  addons: join(WEB, "node_modules", three, "examples/jsm"),
+  main: join(REPOSITORY, "node_modules", three, "build/three.module.js"),
+  addons: join(REPOSITORY, "node_modules", three, "examples/jsm"),
 });
 
 /** Bundles an example by Vite. */

@@ -12,7 +12,7 @@ from pathlib import Path
 import nbformat
 from nbclient import NotebookClient
 
-NOTEBOOK = Path(__file__).parents[2] / "web/player/examples/notebook/forest.ipynb"
+NOTEBOOK = Path(__file__).parents[3] / "web/player/examples/notebook/forest.ipynb"
 TIMEOUT_S = 600
 
 

@@ -1,7 +1,7 @@
 /** The package `galewood` in pages of strangers: its examples, each opened once. */
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
+import { join } from "node:path";
 import { type Bundle, bundled, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
 import { expect, test } from "../forest";
 import { swaying } from "../swaying";

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 from galewood.tree.repair import Surface
 
-from tests.precompute import tree_meshes as make
-from tests.precompute.gltf_files import SQUARE_UV, GltfFile, leaf_image
+from tests.precompute.fixtures import tree_meshes as make
+from tests.precompute.fixtures.gltf_files import SQUARE_UV, GltfFile, leaf_image
 
 CARDS = [(1.5, 4.3, 0.1), (1.2, 4.0, -0.1), (-1.2, 4.3, 0.3), (-1.4, 4.6, 0.2), (0.6, 3.2, 0.0)]
 

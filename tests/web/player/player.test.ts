@@ -125,7 +125,7 @@ describe("the built package", () => {
 
   test("has types by which the page compiles", () => {
     const configuration = `${PLAYER}tsconfig.page.json`;
-    const tsc = `${PLAYER}../node_modules/typescript/bin/tsc`;
+    const tsc = `${PLAYER}../../node_modules/typescript/bin/tsc`;
     execFileSync(process.execPath, [tsc, "-p", configuration], { stdio: "pipe" });
   });
 
@@ -267,7 +267,7 @@ describe("galewood/core in Node", () => {
 
 test("the peer dependency covers the tested releases of three.js and no later one", () => {
   const { peerDependencies, devDependencies } = JSON.parse(readFileSync(`${PLAYER}package.json`, "utf8"));
-  const installed = JSON.parse(readFileSync(`${PLAYER}../node_modules/three/package.json`, "utf8")).version;
+  const installed = JSON.parse(readFileSync(`${PLAYER}../../node_modules/three/package.json`, "utf8")).version;
   const minor = Number(installed.split(".")[1]);
   expect(peerDependencies.three).toBe(`>=0.${minor - 3}.0 <0.${minor + 1}.0`);
   expect(Object.keys(devDependencies)).toEqual(

@@ -1,6 +1,6 @@
 import { Euler, Quaternion, Vector3 } from "three";
+import { type Random, seededRandom } from "../random";
 import { Tree } from "./ez-tree";
-import { type Random, seededRandom } from "./random";
 import type { SkeletonNode } from "./skeleton";
 
 /** A curve through equally spaced values over [0, 1]. */

@@ -1,7 +1,7 @@
 /** Places along the wood at which twigs and leaves stand. */
 import type { Vector3 } from "three";
+import type { Random } from "../random";
 import { type Profile, sample } from "./growth";
-import type { Random } from "./random";
 import type { SkeletonNode } from "./skeleton";
 
 export interface Site {

@@ -1,5 +1,5 @@
 import type { Vector3 } from "three";
-import { BREAST_HEIGHT_M } from "../../player/src/core/constants";
+import { BREAST_HEIGHT_M } from "../../../web/player/src/core/constants";
 
 /** One section of a branch. Parents precede their children. */
 export interface SkeletonNode {

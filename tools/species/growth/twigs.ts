@@ -1,6 +1,6 @@
 import { Vector3 } from "three";
+import { type Random, seededRandom } from "../random";
 import { type Profile, sample } from "./growth";
-import { type Random, seededRandom } from "./random";
 import { type Site, type Stretch, sitesOn, stretches, tips } from "./sites";
 import type { SkeletonNode } from "./skeleton";
 import type { SurfaceMesh } from "./surface";

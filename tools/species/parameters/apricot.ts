@@ -1,6 +1,6 @@
-import { apricotBark } from "./bark-picture";
-import { ovate } from "./leaf-shapes";
-import type { Species } from "./species";
+import { apricotBark } from "../pictures/bark-picture";
+import { ovate } from "../pictures/leaf-shapes";
+import type { Species } from "../species";
 
 /** Grown in the open: short stem and wide round crown with crooked boughs. */
 export const apricot: Species = {

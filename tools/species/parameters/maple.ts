@@ -1,6 +1,6 @@
-import { mapleBark } from "./bark-picture";
-import { palmate } from "./leaf-shapes";
-import type { Species } from "./species";
+import { mapleBark } from "../pictures/bark-picture";
+import { palmate } from "../pictures/leaf-shapes";
+import type { Species } from "../species";
 
 /** Grown in the open: broad oval crown with boughs in layers; red in autumn. */
 export const maple: Species = {

@@ -1,7 +1,7 @@
-import { poplarBark } from "./bark-picture";
-import { TreePreset } from "./ez-tree";
-import { deltoid } from "./leaf-shapes";
-import type { Species } from "./species";
+import { TreePreset } from "../growth/ez-tree";
+import { poplarBark } from "../pictures/bark-picture";
+import { deltoid } from "../pictures/leaf-shapes";
+import type { Species } from "../species";
 
 /** Grown in the open: crown almost to the ground, narrow, ascending boughs; based on the generator's aspen. */
 export const poplar: Species = {

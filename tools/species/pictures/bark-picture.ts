@@ -1,6 +1,6 @@
+import { type Random, seededRandom } from "../random";
 import { octaves, type TilingNoise, tilingNoise } from "./noise";
 import { blank, type Colour, type Picture } from "./picture";
-import { type Random, seededRandom } from "./random";
 
 /** Height (0 groove, 1 ridge) and colour of the bark at a position in the tile. */
 interface BarkPoint {

@@ -1,7 +1,7 @@
+import { type Random, seededRandom } from "../random";
 import type { LeafLook } from "./leaf-look";
 import { insideLeaf, type LeafPoint } from "./outline";
 import { blank, bleed, type Colour, halve, type Picture } from "./picture";
-import { type Random, seededRandom } from "./random";
 import { growShoots, type Leaf, placeLeaves, type Shoot } from "./shoots";
 
 const TILE_PX = 512;

@@ -1,7 +1,7 @@
+import type { Random } from "../random";
 import type { LeafLook } from "./leaf-look";
 import type { LeafPoint } from "./outline";
 import type { Colour } from "./picture";
-import type { Random } from "./random";
 
 /** A leaf on a card, in card coordinates; `squeeze` < 1 shows it turned away from the viewer. */
 export interface Leaf {

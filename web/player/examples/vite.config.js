@@ -23,5 +23,5 @@ export default defineConfig({
   root: here("."),
   plugins: [trees],
   optimizeDeps: { exclude: ["galewood"] },
-  server: { fs: { allow: [here("../..")] } },
+  server: { fs: { allow: [here("../../..")] } },
 });
