@@ -1,4 +1,4 @@
-"""The widget: what Python and the front end (web/player/src/notebook.ts) know of each other."""
+"""The widget: what Python and the front end (web/player/src/notebook/widget.ts) know of each other."""
 
 from __future__ import annotations
 
