@@ -4,7 +4,8 @@
 - A folder holds at most 15 source files, and a Python function takes at most 9 parameters. What exceeds a
   limit is listed here by name, with the number that it must not exceed; an entry that is no longer needed
   fails as well, so the lists only become shorter.
-- What a Python package exports in ``__all__``, another one imports. (vulture finds what nobody uses at all.)
+- What a Python package exports, in ``__all__`` or in its stub ``__init__.pyi``, another one imports. (vulture
+  finds what nobody uses at all.)
 - The name of a module's constant has two words, such as MAX_ROUNDS; one that lists things may be a plural.
 """
 
@@ -67,8 +68,10 @@ def files_by_folder(root: Path) -> Counter[str]:
 
 
 def parsed(root: Path) -> dict[Path, ast.Module]:
-    """The Python files, relative to the root."""
+    """The Python files, relative to the root, and the stubs of packages."""
     paths = [path for path in sources(root) if _is_python(path)]
+    stubs = [path.with_suffix(".pyi") for path in paths if path.name == "__init__.py"]
+    paths += [path for path in stubs if path.exists()]
     return {path.relative_to(root): ast.parse(path.read_bytes()) for path in paths}
 
 
@@ -98,12 +101,14 @@ def unused_exports(modules: Mapping[Path, ast.Module]) -> list[str]:
     for path, module in modules.items():
         package = _package_of(path)
         for node in ast.walk(module):
-            if isinstance(node, ast.ImportFrom) and node.module != package:
-                imported[node.module or ""].update(alias.name for alias in node.names)
-        if path.name == "__init__.py" and package == ".".join(path.parts[1:-1]):
-            exported[package] = _all_of(module)
+            if isinstance(node, ast.ImportFrom):
+                origin = _origin(node, path)
+                if origin != package:
+                    imported[origin].update(alias.name for alias in node.names)
+        if path.stem == "__init__" and package == ".".join(path.parts[1:-1]):
+            exported.setdefault(package, []).extend(_exports_of(module, path))
     return [
-        f"{package} exports {name}, which no other package imports: remove it from __all__"
+        f"{package} exports {name}, which no other package imports: do not export it"
         for package, names in exported.items()
         for name in names
         if name not in imported[package]
@@ -117,8 +122,17 @@ def _package_of(path: Path) -> str:
     return ".".join(path.parts[1 : 4 if path.parts[2] in PACKAGE_GROUPS else 3])
 
 
-def _all_of(module: ast.Module) -> list[str]:
-    """The strings in ``__all__``."""
+def _origin(node: ast.ImportFrom, path: Path) -> str:
+    """The module that a file imports from; "" if it is not below the file's own package."""
+    inside = ".".join(path.parts[1:-1]) if node.level else ""
+    return ".".join(part for part in (inside, node.module) if part) if node.level < 2 else ""
+
+
+def _exports_of(module: ast.Module, path: Path) -> list[str]:
+    """The names that a stub imports, or the strings in ``__all__``."""
+    if path.suffix == ".pyi":
+        imports = [node for node in module.body if isinstance(node, ast.ImportFrom)]
+        return [alias.name for node in imports for alias in node.names]
     for node in module.body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
             return list(ast.literal_eval(node.value))

@@ -174,17 +174,29 @@ def test_an_unused_name_is_found(python_sources: Path, files: dict[str, str], un
     assert [line.split("'")[1] for line in found.stdout.splitlines()] == unused
 
 
-def test_a_name_that_no_other_package_imports_is_found(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "package",
+    [
+        {"__init__.py": "used = unused = 1\n__all__ = ['used', 'unused']\n"},
+        {
+            "__init__.py": "",
+            "__init__.pyi": "from .elm import used as used\nfrom .elm import unused as unused\n",
+        },
+    ],
+    ids=["__all__", "stub"],
+)
+def test_a_name_that_no_other_package_imports_is_found(tmp_path: Path, package: dict[str, str]) -> None:
     library = tmp_path / "precompute" / "galewood"
-    for package in ("wind", "wood"):
-        (library / package).mkdir(parents=True)
-    (library / "wood" / "__init__.py").write_text("used = unused = 1\n__all__ = ['used', 'unused']\n")
+    for name in ("wind", "wood"):
+        (library / name).mkdir(parents=True)
+    for file, text in package.items():
+        (library / "wood" / file).write_text(text)
     (library / "wood" / "oak.py").write_text("from galewood.wood import unused\n")
     (library / "wind" / "gusts.py").write_text("from galewood.wood import used\n")
     found = structure(tmp_path)
     assert found.returncode == 1
     assert idle_entries_left_out(found.stdout) == [
-        "galewood.wood exports unused, which no other package imports: remove it from __all__"
+        "galewood.wood exports unused, which no other package imports: do not export it"
     ]
 
 

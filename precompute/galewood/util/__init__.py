@@ -7,7 +7,6 @@ from galewood.util.delimited import HEADER_WITHIN, Row, decoded, number_of, rows
 from galewood.util.errors import MeshError, Reason
 from galewood.util.guarded_process import FROZEN_S, AbortedError, GuardedProcess, Lifeline
 from galewood.util.kernel_cache import compile_once, kernels_compiled
-from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
 from galewood.util.text import shown_message, shown_text
 from galewood.util.worker_pool import WorkerPool, usable_cores
@@ -34,7 +33,6 @@ __all__ = [
     "cpu_seconds",
     "decoded",
     "kernels_compiled",
-    "lazily",
     "number_of",
     "rows_of",
     "shown_message",

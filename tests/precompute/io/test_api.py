@@ -65,9 +65,10 @@ def table(tree: galewood.Tree, cache_dir: Path) -> galewood.MotionTable:
 
 
 def test_every_public_name_is_there_and_documented() -> None:
-    for name in galewood.__all__:
+    names = dir(galewood)
+    assert {"build", "Forest"} <= set(names)
+    for name in names:
         assert getattr(galewood, name).__doc__ or name.isupper()
-    assert set(galewood.__all__) <= set(dir(galewood))
 
 
 def test_importing_the_library_loads_no_stage() -> None:

@@ -11,15 +11,8 @@ import numpy as np
 from galewood.check.evaluation import Source, evaluate_table, source_of
 from galewood.check.verify.checks import Check, absolute, skipped
 from galewood.options import EvaluationOptions
-from galewood.pipeline.stages import (
-    SHIPPED_FOLDER,
-    BuildOptions,
-    BuiltinMesh,
-    ShippedTree,
-    build_table,
-    builtin_meshes,
-    read_shipped,
-)
+from galewood.pipeline.shipped import SHIPPED_FOLDER, ShippedTree, read_shipped
+from galewood.pipeline.stages import BuildOptions, BuiltinMesh, build_table, builtin_meshes
 from galewood.table import Table, decode
 
 FRAME_COUNT = 300

@@ -1,0 +1,16 @@
+from .beside import mesh_with_companions as mesh_with_companions
+from .bounded_image import IMAGE_ERRORS as IMAGE_ERRORS
+from .gltf.material import SLOTS as SLOTS
+from .gltf.material import alpha_coverage as alpha_coverage
+from .gltf.material import base_image as base_image
+from .gltf.material import pack_material as pack_material
+from .gltf.material import unpack_material as unpack_material
+from .gltf.reading import read_glb as read_glb
+from .limits import MAX_BYTES as MAX_BYTES
+from .limits import check_faces as check_faces
+from .qsm import Line as Line
+from .qsm import tube as tube
+from .reading import FileContent as FileContent
+from .reading import read_parts as read_parts
+from .types import Material as Material
+from .types import RawPart as RawPart

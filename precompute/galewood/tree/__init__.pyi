@@ -1,0 +1,13 @@
+from .missing.arms import arms_of as arms_of
+from .repair import Surface as Surface
+from .repair import compact as compact
+from .repair import face_components as face_components
+from .repair import signed_volumes as signed_volumes
+from .repair import unique_edges as unique_edges
+from .repair import volume as volume
+from .repair import weld_keeping_faces as weld_keeping_faces
+from .sandboxed import import_mesh_sandboxed as import_mesh_sandboxed
+from .sandboxed import pieces_sandboxed as pieces_sandboxed
+from .types import KINDS as KINDS
+from .types import RenderPrimitive as RenderPrimitive
+from .types import TreeMesh as TreeMesh
