@@ -15,6 +15,9 @@ export PORT HOST GALEWOOD_DATA_DIR
 export NUMBA_CACHE_DIR ?= $(CURDIR)/build/numba
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps
 PYTEST ?= $(BIN)/python -m pytest
+IN_PARALLEL := --quiet -n 2 --dist loadfile
+# What a step prints goes to build/log, and is shown if it fails.
+STEP := @$(PYTHON) scripts/step.py
 # All that a wheel is made of, beside the page.
 WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__pycache__/*' 2>/dev/null) \
 	pyproject.toml setup.py README.md LICENSE NOTICE
@@ -24,7 +27,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run develop build player wheel test test-long test-all check docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
+.PHONY: help run develop build player wheel test test-long test-all check coverage docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -45,7 +48,7 @@ $(VENV)/.dev: requirements/dev.txt requirements/client.txt $(VENV)/.base
 
 node_modules/.stamp: package-lock.json
 	@echo "Setting up the page's packages (once)"
-	@npm ci --no-audit --no-fund --loglevel=error
+	@npm ci --no-audit --no-fund --loglevel=error >/dev/null
 	@touch $@
 
 web/dist/index.html: node_modules/.stamp $(WEB_SOURCES)
@@ -58,8 +61,10 @@ web/player/dist/core.js: node_modules/.stamp $(PLAYER_SOURCES)
 build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
 	@echo "Compiling the numeric kernels (once)"
 	@mkdir -p build
-	@$(BIN)/galewood compile
+	$(STEP) kernels $(BIN)/galewood compile
 	@touch $@
+
+SITE := build/.kernels web/dist/index.html web/player/dist/core.js
 
 # ---- everyday --------------------------------------------------------------------------------------
 player: web/player/dist/core.js ## the npm package for other pages, in web/player/dist
@@ -82,37 +87,37 @@ run: ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR
 	@$(BIN)/galewood serve
 
 test: ## set everything up and run the tests of what the software promises; test-long has the others
-	@# what only reads the sources runs side by side, and so do both set-ups; the tests follow
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target build/.kernels check web/dist/index.html test-web
-	@# the browser's tests wait for much of their time; the Python tests use it
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-python test-e2e
+	@# more steps than cores: the tests of the browser and the service wait for much of their time
+	@$(MAKE) --no-print-directory --jobs 3 build/.kernels check test-python test-e2e test-web
 
 test-long: ## the tests that `make test` leaves out: the wheel, documents, whole builds, random damage, bundlers
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target wheel docs
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-python-long test-e2e-long
+	@$(MAKE) --no-print-directory --jobs 2 wheel docs
+	@$(MAKE) --no-print-directory --jobs 2 test-python-long test-e2e-long
 
 test-all: test test-long ## every test but those of test-species, test-distributed and test-containers
 
 check: $(VENV)/.dev node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/lint-imports --no-cache
-	$(BIN)/python scripts/write_page_types.py --check
-	$(BIN)/python -m scripts.check_constants
-	$(BIN)/python scripts/structure.py
-	$(BIN)/vulture
-	node_modules/.bin/pyright
-	npm run --silent lint && npm run --silent unused && npm run --silent typecheck
-	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
-	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.github-workflows .github/workflows/ci.yml
-	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
-	$(BIN)/hadolint Dockerfile .devcontainer/Dockerfile
+	$(STEP) ruff $(BIN)/ruff check .
+	$(STEP) format $(BIN)/ruff format --check .
+	$(STEP) imports $(BIN)/lint-imports --no-cache
+	$(STEP) page-types $(BIN)/python scripts/write_page_types.py --check
+	$(STEP) constants $(BIN)/python -m scripts.check_constants
+	$(STEP) structure $(BIN)/python scripts/structure.py
+	$(STEP) vulture $(BIN)/vulture
+	$(STEP) pyright node_modules/.bin/pyright
+	$(STEP) biome npm run --silent lint
+	$(STEP) knip npm run --silent unused
+	$(STEP) tsc npm run --silent typecheck
+	$(STEP) compose $(BIN)/check-jsonschema --builtin-schema vendor.compose-spec docker-compose.yml
+	$(STEP) workflow $(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/ci.yml
+	$(STEP) citation $(BIN)/check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
+	$(STEP) hadolint $(BIN)/hadolint Dockerfile .devcontainer/Dockerfile
 
-test-python: $(VENV)/.dev
-	$(PYTEST) -n 2 --dist loadfile -m "not long and not species"
+test-python: $(VENV)/.dev build/.kernels web/dist/index.html ## the Python tests
+	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m "not long and not species"
 
-test-python-long: $(VENV)/.dev wheel
-	$(PYTEST) -n 2 --dist loadfile -m long
+test-python-long: $(VENV)/.dev build/.kernels wheel
+	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m long
 
 test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
 	$(PYTEST) -m species -rP tests/precompute/check/test_species_accuracy.py
@@ -127,13 +132,20 @@ test-containers: ## start the containers and build a tree through the proxy; nee
 	scripts/compose-smoke
 
 test-web: node_modules/.stamp web/player/dist/core.js ## the TypeScript unit tests
-	npm test --silent
+	$(STEP) $@ npm test --silent -- --reporter=dot --silent=passed-only
 
-test-e2e: build player browser ## the page in a real Chromium against a real server
-	npm run --silent e2e -- --grep-invert @long
+test-e2e: $(SITE) browser ## the page in a real Chromium against a real server
+	$(STEP) $@ npm run --silent e2e -- --grep-invert @long
 
-test-e2e-long: build player browser
-	npm run --silent e2e -- --grep @long
+test-e2e-long: $(SITE) browser
+	$(STEP) $@ npm run --silent e2e -- --grep @long
+
+coverage: $(VENV)/.dev $(SITE) ## lines and branches that the tests of `make test` run, in build/coverage; fails if they become fewer
+	@rm -rf build/coverage && mkdir -p build/coverage/python
+	$(STEP) coverage-web npm test --silent -- --coverage --reporter=dot --silent=passed-only
+	$(STEP) coverage-run $(BIN)/coverage run -m pytest $(IN_PARALLEL) -m "not long and not species"
+	@$(BIN)/coverage combine --quiet && $(BIN)/coverage html --quiet
+	@$(BIN)/coverage report
 
 browser: node_modules/.stamp ## a Chromium for the tests, where the machine has none
 	@scripts/install-browser
@@ -144,7 +156,7 @@ bench: build browser ## speed and memory, as ratios to named rivals; writes buil
 	@cd web && npm run --silent bench
 
 docs: $(VENV)/.dev ## build the documentation site into build/docs; fails on broken links
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	$(STEP) $@ env NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 format: $(VENV)/.dev node_modules/.stamp ## rewrite the sources in the project's format
 	$(BIN)/ruff check --fix .

@@ -10,7 +10,7 @@ export default defineConfig({
   workers: 1,
   timeout: 180_000,
   expect: { timeout: 60_000 },
-  reporter: [["list"]],
+  reporter: [["line"]],
   use: {
     viewport: { width: 320, height: 180 },
     screenshot: "only-on-failure",
