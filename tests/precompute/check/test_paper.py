@@ -10,6 +10,7 @@ from galewood.check.paper.gestures import first_maximum
 from galewood.check.paper.plan import Notes, code_hash, quick_plan
 from galewood.check.paper.run import run_paper
 from galewood.check.paper.text import table
+from galewood.pipeline.stages import BuiltinMesh
 
 from tests.precompute.fixtures.shared_tets import cache_with_tets, small_tree_glb
 
@@ -27,12 +28,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_page_is_written_the_search_is_exact_and_only_timings_are_repeated(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan = quick_plan({"maple": folder / "maple.glb"}, folder / "cache")
+    plan = quick_plan(BuiltinMesh("maple", folder / "maple.glb", {"species": "maple"}), folder / "cache")
     fractions: list[float] = []
     figures = run_paper(plan, folder / "paper.md", lambda fraction, message: fractions.append(fraction))
     assert fractions[-1] == 1.0
     assert all(0 <= fraction <= 1 for fraction in fractions)
-    maple = figures["species"]["maple"]
+    maple = figures["trees"]["maple"]
     assert maple["search"] == {**maple["search"], "queries": 200, "differences": 0}
     assert maple["gestures"]["hausdorff"]["modal"]["60"] < maple["gestures"]["sway"]["60"]
     assert set(maple["elements"]) == {"6", "12"}
@@ -54,10 +55,10 @@ def test_the_page_is_written_the_search_is_exact_and_only_timings_are_repeated(
     monkeypatch.setattr(speed, "exhaustive_us", lambda *_: 2.5)
     monkeypatch.setattr(speed, "_forest_ms", lambda *_: (3.75, 5.0))
     again = run_paper(plan, folder / "paper.md", lambda fraction, message: None)
-    assert json.dumps(again["species"]["maple"]["winds"]) == json.dumps(maple["winds"])
+    assert json.dumps(again["trees"]["maple"]["winds"]) == json.dumps(maple["winds"])
     assert sorted((folder / "cache" / "paper").iterdir()) == cached
     assert [path.stat().st_mtime_ns for path in cached] == before
-    for count, row in again["species"]["maple"]["elements"].items():
+    for count, row in again["trees"]["maple"]["elements"].items():
         times = {name: row.pop(name) for name in sorted(row) if name.endswith("_us")}
         assert times == {
             "exhaustive_us": 2.5,
@@ -83,13 +84,18 @@ def test_the_code_hash_covers_the_packages_that_the_figures_depend_on(
 
     monkeypatch.setattr(Path, "read_bytes", record)
     code_hash()
-    for name in ("modal/step.py", "player/paper_search.py", "fem/dynamics.py", "paper/search.py"):
+    for name in (
+        "motion/modal/step.py",
+        "player/paper_search.py",
+        "solid/fem/dynamics.py",
+        "check/paper/search.py",
+    ):
         assert any(path.endswith(f"galewood/{name}") for path in read), name
     assert not any(path.endswith(("paper/text.py", "evaluation/plot.py")) for path in read)
 
 
 def test_a_result_is_computed_once_for_what_it_depends_on(tmp_path: Path) -> None:
-    notes, made = Notes(quick_plan({}, tmp_path)), []
+    notes, made = Notes(quick_plan(BuiltinMesh("none", tmp_path, {}), tmp_path)), []
     for depends in ("a", "a", "b"):
         assert notes.kept("x", depends, lambda: made.append(1) or {"made": len(made)})["made"] == len(made)
     assert len(made) == 2

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.options import USUAL_TETS
-from galewood.pipeline.stages import BuildOptions, build_table
+from galewood.pipeline.stages import BuildOptions, BuiltinMesh, build_table, builtin_meshes
 from galewood.table import Table, decode, encode, without_gusts
 from galewood.util import write_atomically
 
@@ -22,25 +22,23 @@ OnProgress = Callable[[float, str], None]
 
 PAPER_VERSION = 2
 UNRELATED_SOURCES = (
-    "bench/",
-    "cli/",
-    "pictures/",
-    "verify/",
-    "evaluation/plot.py",
-    "paper/pictures.py",
-    "paper/text.py",
+    "check/bench/",
+    "check/evaluation/plot.py",
+    "check/paper/pictures.py",
+    "check/paper/text.py",
+    "check/verify/",
+    "io/",
+    "pipeline/pictures/",
 )
 """Sources that cannot change a cached result."""
-SPECIES = ("poplar", "maple", "apricot")
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The extent of every experiment; ``meshes`` maps a species to its mesh file."""
+    """The extent of every experiment, and the built-in trees that it covers."""
 
-    meshes: dict[str, Path]
+    meshes: tuple[BuiltinMesh, ...]
     cache_dir: Path
-    height_m: float | None = None
     target_tets: int = USUAL_TETS
     record_frames: int = 180
     frames: int = 600
@@ -53,11 +51,10 @@ class Plan:
     workers: int = 2
     quick: bool = False
 
-    def options(self, species: str) -> BuildOptions:
-        """Build options of a species' table."""
+    def options(self, mesh: BuiltinMesh) -> BuildOptions:
+        """Build options of a tree's table."""
         return BuildOptions(
-            species=species,
-            height_m=self.height_m,
+            **mesh.options,
             target_tets=self.target_tets,
             sampled_elements=self.elements[0],
             frames=self.record_frames,
@@ -66,14 +63,14 @@ class Plan:
 
 
 def full_plan(meshes: Path, cache_dir: Path, workers: int = 2) -> Plan:
-    """The experiments at the extent of the paper, on the three species in the folder ``meshes``."""
-    return Plan({name: meshes / f"{name}.glb" for name in SPECIES}, cache_dir, workers=workers)
+    """The experiments at the extent of the paper, on the built-in trees in the folder ``meshes``."""
+    return Plan(tuple(builtin_meshes(meshes)), cache_dir, workers=workers)
 
 
-def quick_plan(meshes: dict[str, Path], cache_dir: Path) -> Plan:
-    """The smallest extent that still runs every experiment."""
+def quick_plan(mesh: BuiltinMesh, cache_dir: Path) -> Plan:
+    """The smallest extent that still runs every experiment, on one tree."""
     return Plan(
-        meshes, cache_dir, target_tets=800, record_frames=60, frames=60, elements=(6, 12),
+        (mesh,), cache_dir, target_tets=800, record_frames=60, frames=60, elements=(6, 12),
         element_frames=20, trees=(20, 50), steps=10, queries=200, workers=1, quick=True,
     )  # fmt: skip
 
@@ -109,7 +106,7 @@ class Notes:
 
 def code_hash() -> str:
     """SHA-256 of the sources of all galewood modules that can change a cached result."""
-    root = Path(__file__).parents[1]
+    root = Path(__file__).parents[2]
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*.py")):
         name = path.relative_to(root).as_posix()
@@ -118,17 +115,17 @@ def code_hash() -> str:
     return digest.hexdigest()
 
 
-def built(plan: Plan, notes: Notes, species: str, on_progress: OnProgress) -> tuple[Table, Path, Path]:
-    """Build a species' table unless it is cached; return it, its file and the render mesh beside it."""
-    source, options = plan.meshes[species].read_bytes(), plan.options(species)
+def built(plan: Plan, notes: Notes, mesh: BuiltinMesh, on_progress: OnProgress) -> tuple[Table, Path, Path]:
+    """Build a tree's table unless it is cached; return it, its file and the render mesh beside it."""
+    source, options = mesh.path.read_bytes(), plan.options(mesh)
     key = hashlib.sha256(f"{notes.code} {options}".encode() + source).hexdigest()[:24]
-    path = plan.cache_dir / "paper" / f"{species}-{key}.gwt"
+    path = plan.cache_dir / "paper" / f"{mesh.name}-{key}.gwt"
     if not path.exists():
         result = build_table(
             source,
-            plan.meshes[species].name,
+            mesh.path.name,
             options,
-            progress=lambda p: on_progress(p.fraction, f"{species}: {p.message}"),
+            progress=lambda p: on_progress(p.fraction, f"{mesh.name}: {p.message}"),
             cache_dir=plan.cache_dir,
         )
         write_atomically(path.with_suffix(".glb"), result.render_glb)

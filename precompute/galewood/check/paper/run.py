@@ -28,6 +28,7 @@ from galewood.check.paper.search import against_brute_force
 from galewood.check.paper.speed import by_elements, forests, memory
 from galewood.check.paper.text import write_text
 from galewood.options import EvaluationOptions
+from galewood.pipeline.stages import BuiltinMesh
 from galewood.table import Table
 
 PEAK_SPEED_RATIO = 0.65
@@ -36,7 +37,7 @@ PEAK_SPEED_RATIO = 0.65
 
 @dataclass(frozen=True)
 class Tree:
-    """A species' table and its source; ``content`` identifies the table in the cache."""
+    """A tree's table and its source; ``content`` identifies the table in the cache."""
 
     table: Table
     table_bytes: int
@@ -52,20 +53,19 @@ def run_paper(plan: Plan, out: Path, on_progress: OnProgress) -> dict[str, Any]:
     """
     notes = Notes(plan)
     trees: dict[str, Tree] = {}
-    figures: dict[str, Any] = {"species": {}, "plan": _plan_figures(plan)}
+    figures: dict[str, Any] = {"trees": {}, "plan": _plan_figures(plan)}
     steps = len(plan.meshes)
-    for k, name in enumerate(plan.meshes):
+    for k, mesh in enumerate(plan.meshes):
+        name = mesh.name
         sub_progress = _part(on_progress, 0.9 * k / steps, 0.9 * (k + 1) / steps, name)
-        trees[name] = _ready(plan, notes, name, _part(sub_progress, 0.0, 0.3))
-        figures["species"][name] = _measure(
-            plan, notes, name, trees[name], out, _part(sub_progress, 0.3, 1.0)
-        )
+        trees[name] = _ready(plan, notes, mesh, _part(sub_progress, 0.0, 0.3))
+        figures["trees"][name] = _measure(plan, notes, name, trees[name], out, _part(sub_progress, 0.3, 1.0))
     on_progress(0.9, "Forests of many trees")
     tables = {name: tree.table for name, tree in trees.items()}
     figures["forests"] = forests(plan, tables)
     folder = out.with_suffix("")
     draw_winds(next(iter(tables.values())), plan, folder / "winds.svg")
-    elements = {name: found["elements"] for name, found in figures["species"].items()}
+    elements = {name: found["elements"] for name, found in figures["trees"].items()}
     draw_elements(elements, plan.elements, folder / "elements.svg")
     write_text(figures, plan, out)
     on_progress(1.0, "Done")
@@ -86,9 +86,9 @@ def _plan_figures(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _ready(plan: Plan, notes: Notes, name: str, on_progress: OnProgress) -> Tree:
-    table, path, mesh = built(plan, notes, name, _part(on_progress, 0.0, 0.8))
-    source = source_of(table, mesh, plan.cache_dir, _part(on_progress, 0.8, 1.0), workers=plan.workers)
+def _ready(plan: Plan, notes: Notes, mesh: BuiltinMesh, on_progress: OnProgress) -> Tree:
+    table, path, render_glb = built(plan, notes, mesh, _part(on_progress, 0.0, 0.8))
+    source = source_of(table, render_glb, plan.cache_dir, _part(on_progress, 0.8, 1.0), workers=plan.workers)
     return Tree(table, path.stat().st_size, source, path.stem)
 
 
@@ -100,7 +100,7 @@ def _measure(
     gestures: Fig3 = paper_gestures(plan, table, source)
     directions: Fig5 = paper_directions(plan, table, source)
     draw_gestures(gestures, table, source, folder / f"gestures-{name}.png")
-    if name == next(iter(plan.meshes)):
+    if name == plan.meshes[0].name:
         draw_directions(directions, table, source, folder / f"directions-{name}.png")
     winds = notes.kept("winds", tree.content, lambda: _unseen(plan, tree, _part(on_progress, 0.1, 0.5)))
     save_small(error_figure(winds), folder / f"errors-{name}.png")

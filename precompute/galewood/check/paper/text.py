@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.check.paper.pictures import PAPER_ELEMENTS, PAPER_FPS
-from galewood.check.paper.plan import SPECIES, Plan
+from galewood.check.paper.plan import Plan
 
 PAPER_FORESTS = {20: "100", 30: "80", 40: "70", 50: "its limit", 1000: "25 (in the abstract)"}
 PAPER_HAUSDORFF = 0.011905
@@ -40,23 +40,22 @@ def percent(value: float, digits: int = 2) -> str:
 
 
 def _head(figures: dict[str, Any], folder: str) -> str:
-    species, plan = figures["species"], figures["plan"]
+    trees, plan = figures["trees"], figures["plan"]
     rows = [
         [name, f"{s['height_m']:.1f}", f"{s['tetrahedra']:,}", f"{s['memory']['vertices']:,}",
          f"{s['memory']['records']:,}", str(s["modes"]), f"{s['design_speed_m_s']:.0f}"]
-        for name, s in species.items()
+        for name, s in trees.items()
     ]  # fmt: skip
     head = ["tree", "height, m", "tetrahedra", "vertices", "records", "modes", "strongest sampled wind, m/s"]
-    missing = [name for name in SPECIES if name not in species]
-    lacks = f" This run covers only the {' and the '.join(species)}." if missing else ""
     quick = "\n\n**This was a quick run: the figures are not results.**" if plan["quick"] else ""
     return f"""# The paper's experiments, repeated
 
 *Real-time Physically Plausible Simulation of Forest* (Computers & Graphics, draft of February 2021)
 evaluates its method on a maple, a poplar and an apricot. `galewood paper` repeats its experiments with the
-three species of this repository and writes this page with its pictures; no figure is entered by hand. Where
-the paper gives a figure, it stands beside ours. The paper states neither its hardware nor the units of its
-errors, so its figures give orientation and are not a benchmark.{lacks}{quick}
+built-in trees, of each species one grown in the open and one in a forest, and writes this page with its
+pictures; no figure is entered by hand. Where the paper gives a figure, it stands beside ours. The paper
+states neither its hardware nor the units of its errors, so its figures give orientation and are not a
+benchmark.{quick}
 
 {table(head, rows)}
 
@@ -86,7 +85,7 @@ wind whenever the wind is light."""
 
 def _gestures(figures: dict[str, Any], folder: str) -> str:
     blocks: list[str] = []
-    for name, found in figures["species"].items():
+    for name, found in figures["trees"].items():
         fig = found["gestures"]
         first = str(fig["first_maximum_frame"])
         frames = ["20", "22", "40", "60", *([first] if first not in ("20", "22", "40", "60") else [])]
@@ -114,7 +113,7 @@ In the pictures the reference solution is drawn in grey behind the other two tre
 def _unseen(figures: dict[str, Any], folder: str) -> str:
     plan, blocks = figures["plan"], []
     methods = ("modal", "paper", "paper-literal", "nearest-sample", "rest-pose")
-    for name, found in figures["species"].items():
+    for name, found in figures["trees"].items():
         rows = [
             [wind, percent(by["rest-pose"]["reference_sway"], 1), percent(by["modal"]["max_error"], 3),
              percent(by["modal"]["rms_error"], 3), _number(by["modal"]["growth"]),
@@ -140,7 +139,7 @@ of which share a node.
 def _elements(figures: dict[str, Any], folder: str) -> str:
     blocks: list[str] = []
     paper: dict[int, int] = dict(zip(PAPER_ELEMENTS, PAPER_FPS, strict=True))
-    for name, found in figures["species"].items():
+    for name, found in figures["trees"].items():
         rows = [
             [count, str(paper.get(int(count), "–")), _rate(row["exhaustive_us"]), _rate(row["paper_us"]),
              _rate(row["modal_us"]), f"{row['exhaustive_us']:,.0f}", f"{row['paper_us']:.2f}",
@@ -150,7 +149,7 @@ def _elements(figures: dict[str, Any], folder: str) -> str:
         head = [f"{name}: elements", "paper, fps", "as printed, 1/s", "candidates, 1/s", "modal, 1/s",
                 "as printed, µs", "candidates, µs", "modal, µs", "table, MB"]  # fmt: skip
         blocks.append(table(head, rows))
-    records = max(row["records"] for s in figures["species"].values() for row in s["elements"].values())
+    records = max(row["records"] for s in figures["trees"].values() for row in s["elements"].values())
     return f"""## Sampled elements (Table 1)
 
 Steps of one tree per second, and CPU time per step, on one thread (best of five repeats; the last two methods
@@ -171,14 +170,14 @@ on the number of elements."""
 
 def _directions(figures: dict[str, Any], folder: str) -> str:
     blocks: list[str] = []
-    for name, found in figures["species"].items():
+    for name, found in figures["trees"].items():
         rows = [
             [f"{direction}°", percent(row["sway"]), *(percent(row["hausdorff"][m], 3) for m in
              ("modal", "paper", "paper-literal"))]
             for direction, row in found["directions"].items()
         ]  # fmt: skip
         blocks.append(table([name, "sway", "modal, HD", "search, eased, HD", "search, literal, HD"], rows))
-    first = next(iter(figures["species"]))
+    first = next(iter(figures["trees"]))
     return f"""## Six directions of one wind (Fig. 5)
 
 The strongest sampled wind from each of the six directions at frame 20, in per cent of the height. The same
@@ -218,13 +217,13 @@ def _memory(figures: dict[str, Any], folder: str) -> str:
         ("increments of all vertices only", "increments"),
         ("**the table file**", "table"),
     )
-    species = figures["species"]
-    rows = [[label, *(_bytes(s["memory"][key]) for s in species.values())] for label, key in names]
+    trees = figures["trees"]
+    rows = [[label, *(_bytes(s["memory"][key]) for s in trees.values())] for label, key in names]
     return f"""## Memory
 
 Size of a table and of the paper's tuples (K, v, f_int, f_ext, Δu) in single precision.
 
-{table(["", *species], rows)}
+{table(["", *trees], rows)}
 
 The paper gives no sizes. The motion is low-rank, so the increment of a record takes some twenty numbers. The
 states are not stored, only which records can follow which."""
@@ -233,7 +232,7 @@ states are not stored, only which records can follow which."""
 def _search(figures: dict[str, Any], folder: str) -> str:
     rows = [
         [name, f"{s['search']['queries']:,}", f"{s['search']['states']:,}", str(s["search"]["differences"])]
-        for name, s in figures["species"].items()
+        for name, s in figures["trees"].items()
     ]
     return f"""## The exact search
 
@@ -248,7 +247,7 @@ def _beyond(figures: dict[str, Any], folder: str) -> str:
     rows = [
         [name, f"{s['beyond']['times']:g} ×", percent(s["beyond"]["largest"], 0),
          f"{s['beyond']['extrapolation_ratio']:.2f}", f"{s['beyond']['left_at_rest_m']:.1g}"]
-        for name, s in figures["species"].items()
+        for name, s in figures["trees"].items()
     ]  # fmt: skip
     head = ["tree", "pressure", "largest displacement, % of height", "extrapolation ratio", "left after, m"]
     return f"""## Beyond the sampled range
@@ -263,13 +262,13 @@ range, and the tree comes to rest.
 def _short(figures: dict[str, Any], folder: str) -> str:
     worst, worse, runs = 0.0, 0, 0
     modal = 0.0
-    for found in figures["species"].values():
+    for found in figures["trees"].values():
         for by in found["winds"].values():
             literal, rest = by["paper-literal"]["max_error"], by["rest-pose"]["max_error"]
             worst, worse, runs = max(worst, literal), worse + int(literal > rest), runs + 1
             modal = max(modal, by["modal"]["max_error"])
     far, own = percent(worst, 0), percent(modal)
-    times = [row["exhaustive_us"] for s in figures["species"].values() for row in s["elements"].values()]
+    times = [row["exhaustive_us"] for s in figures["trees"].values() for row in s["elements"].values()]
     least, most = f"{min(times):,.0f}", f"{max(times):,.0f}"
     return f"""## Limitations of the paper's method
 

@@ -113,7 +113,7 @@ def paper(
 
     plan = full_plan(species_dir, cache_dir, workers)
     if quick:
-        plan = quick_plan({path.stem: path for path in sorted(species_dir.glob("*.glb"))[:1]}, cache_dir)
+        plan = quick_plan(plan.meshes[0], cache_dir)
     with progress_bar() as bar:
         figures = run_paper(plan, out, progress_reporter(bar))
     write_figures(json_out, figures)
