@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 import yaml
+from galewood_server.settings import Settings
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 SECRETS = {"POSTGRES_PASSWORD": "p" * 32, "S3_SECRET": "5" * 32, "GALEWOOD_API_KEYS": "0" * 64}
@@ -154,3 +155,16 @@ def test_the_proxy_sends_all_clients_of_a_shared_forest_to_one_server() -> None:
     caddyfile = (REPOSITORY / "deploy" / "Caddyfile").read_text()
     (policy,) = re.findall(r"lb_policy ([^{}\n]*?)\s*\{\s*fallback (\w+)\s*\}", caddyfile)
     assert policy == ("query share", "client_ip_hash")
+
+
+def test_the_proxy_lets_every_body_pass_that_the_service_accepts() -> None:
+    """Its times are for whole bodies: a least rate, as the service has it, is not among its options."""
+    caddyfile = (REPOSITORY / "deploy" / "Caddyfile").read_text()
+    (size_mib,) = map(int, re.findall(r"max_size (\d+)MiB", caddyfile))
+    settings = Settings()
+    assert size_mib * 2**20 > settings.upload_bytes
+    for limit in ("read_body", "write"):
+        (minutes,) = map(int, re.findall(rf"\t{limit} (\d+)m\n", caddyfile))
+        assert minutes * 60 * settings.body_bytes_per_s > size_mib * 2**20
+    (header_s,) = map(float, re.findall(r"read_header (\d+)s", caddyfile))
+    assert header_s <= settings.header_s
