@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.server.support.server_process import FAKE_JOB, FAKE_SERVER, Server
+from tests.server.support.server_process import FAKE_JOB, FAKE_SERVER, Server, fake_service
 
 
 @pytest.fixture
@@ -25,3 +25,10 @@ def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
     yield start
     for server in servers:
         server.stop()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """One server for all files whose tests leave nothing in it; the others define their own."""
+    with fake_service(tmp_path_factory.mktemp("server")) as running:
+        yield running

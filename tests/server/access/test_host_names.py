@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import socket
-from collections.abc import Iterator
 from typing import Any
 
 import anyio
@@ -15,7 +14,7 @@ from galewood_server.settings import Settings
 from starlette.types import Message, Receive, Scope, Send
 
 from tests.server.access.test_access_control import FAR, application, ask, code_of
-from tests.server.support.server_process import Server, fake_service
+from tests.server.support.server_process import Server
 
 PATHS = (
     "/", "/index.html", "/docs", "/openapi.json", "/metrics", "/healthz", "/api/health", "/api/trees",
@@ -24,12 +23,6 @@ UPGRADE = (
     "Upgrade: websocket\r\nConnection: Upgrade\r\n"
     "Sec-WebSocket-Key: Z2FsZXdvb2QtYmVuY2gtMQ==\r\nSec-WebSocket-Version: 13\r\n"
 )
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    with fake_service(tmp_path_factory.mktemp("names")) as server:
-        yield server
 
 
 def status(server: Server, request: str) -> int:

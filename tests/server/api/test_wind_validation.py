@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from typing import Any
 
 import httpx
@@ -16,17 +15,7 @@ from galewood_server.stream import wire
 from websockets.sync.client import connect
 
 from tests.golden import GOLDEN_FOLDER
-from tests.server.support.server_process import FAKE_SERVER, NO_CLUSTER, Server
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    data_dir = tmp_path_factory.mktemp("winds") / "data"
-    data_dir.mkdir()
-    running = Server(data_dir, FAKE_SERVER, dict(NO_CLUSTER)).start()
-    yield running
-    running.stop()
-
+from tests.server.support.server_process import Server
 
 NO_TREES = np.zeros((0, 4), np.float32)
 CASES: list[dict[str, Any]] = json.loads((GOLDEN_FOLDER / "wind_models.json").read_text())["refused"]

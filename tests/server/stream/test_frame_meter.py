@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from pathlib import Path
 
 import httpx
 import pytest
@@ -14,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.server.stream.test_forest_stream import sockets
 from tests.server.stream.test_socket_protocol import HELLO, Raw, frame
-from tests.server.support.server_process import FAKE_SERVER, Server, wait_until
+from tests.server.support.server_process import Server, wait_until
 
 FLOOD = 50_000
 frames = st.builds(
@@ -54,15 +52,6 @@ def test_bytes_are_limited_and_every_read_has_a_price() -> None:
     assert meter.excess(b"1", 0.0) == "More than 2 KiB per second"
     trickle = FrameMeter(limits, 0.0)
     assert [trickle.excess(b"\x82", 0.0) is None for _ in range(13)] == [True] * 12 + [False]
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    data_dir: Path = tmp_path_factory.mktemp("meter") / "data"
-    data_dir.mkdir()
-    server = Server(data_dir, FAKE_SERVER).start()
-    yield server
-    server.stop()
 
 
 @pytest.mark.parametrize(
