@@ -84,6 +84,12 @@ describe("the built package", () => {
     expect(closureOf(["element.js"]).filter((name) => !playing.includes(name))).toEqual(["element.js"]);
     expect(bytes(["element.js"])).toBeLessThanOrEqual(MOST_ELEMENT_BYTES);
     expect(bytes(STREAM)).toBeLessThanOrEqual(MOST_STREAM_BYTES);
+    for (const page of ["../../README.md", "README.md"]) {
+      const stated = /([\d.]+) kB with worker and kernel|with worker and kernel, ([\d.]+) kB/.exec(
+        readFileSync(PLAYER + page, "utf8"),
+      );
+      expect(Number(stated?.[1] ?? stated?.[2]), page).toBeCloseTo(bytes(playing) / 1000, 0);
+    }
   });
 
   test("needs nothing but its own files, and three.js only to draw", () => {

@@ -1,0 +1,57 @@
+"""Figures in README.md and docs/index.md equal those of the files and of the tests that they come from."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from galewood.pipeline.stages import BuildOptions
+
+from tests.precompute.check.accuracy import ORDINARY
+from tests.precompute.check.test_accuracy import LIMIT
+
+ROOT = Path(__file__).parents[2]
+SPECIES_FOLDER = ROOT / "assets" / "species"
+COUNTS = {"three": 3, "six": 6, "twelve": 12}
+
+
+def text_of(page: str) -> str:
+    """A page with its lines joined."""
+    return " ".join(ROOT.joinpath(page).read_text(encoding="utf-8").split())
+
+
+def found(pattern: str, page: str) -> tuple[str, ...]:
+    """What the groups of a pattern match in a page, which must have it."""
+    match = re.search(pattern, text_of(page))
+    assert match, f"{page} does not say {pattern!r} any more: change this test with it"
+    return match.groups()
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+def test_a_table_is_smaller_than_half_a_megabyte(page: str) -> None:
+    assert "lookup table of less than half a megabyte" in text_of(page)
+    tables = sorted(SPECIES_FOLDER.glob("shipped/*.table"))
+    assert tables
+    assert {path.name: path.stat().st_size for path in tables if path.stat().st_size >= 500_000} == {}
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+def test_the_built_in_trees_are_counted_and_named(page: str) -> None:
+    count, names = found(r"the (\w+) built-in trees \(([^)]*)\)", page)
+    trees = json.loads((SPECIES_FOLDER / "species.json").read_text(encoding="utf-8"))
+    assert COUNTS[count] == len(trees)
+    assert set(names.split(", ")) == {tree["species"] for tree in trees}
+
+
+def test_the_stated_error_is_the_limit_of_the_accuracy_tests() -> None:
+    speed_m_s, percent = found(r"gusts of (\d+) m/s\) errors below ([\d.]+) % of the height", "README.md")
+    assert float(percent) == pytest.approx(100 * LIMIT)
+    assert float(speed_m_s) == pytest.approx(ORDINARY * BuildOptions().design_speed_m_s, abs=0.5)
+
+
+def test_the_stated_time_of_a_step_is_the_measured_one() -> None:
+    (time,) = found(r"Play 10,000 trees, each moving on its own, in ([\d to]+ ms) per step", "README.md")
+    record = "docs/design/0010-kernel.md"
+    assert found(r"WebAssembly, four oscillators at a time \| ([\d to]+ ms) \|", record) == (time,)
