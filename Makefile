@@ -15,7 +15,8 @@ export PORT HOST GALEWOOD_DATA_DIR
 export NUMBA_CACHE_DIR ?= $(CURDIR)/build/numba
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps
 PYTEST ?= $(BIN)/python -m pytest
-IN_PARALLEL := --quiet -n 2 --dist loadfile
+QUIETLY := --reporter=dot --silent=passed-only
+IN_PARALLEL := --quiet -n 3 --dist loadfile
 # What a step prints goes to build/log, and is shown if it fails.
 STEP := @$(PYTHON) scripts/step.py
 # All that a wheel is made of, beside the page.
@@ -27,7 +28,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run develop build player wheel test test-long test-all check coverage docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
+.PHONY: help run develop build player wheel test test-long test-all check coverage docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -91,7 +92,7 @@ test: ## set everything up and run the tests of what the software promises; test
 	@$(MAKE) --no-print-directory --jobs 3 build/.kernels check test-python test-e2e test-web
 
 test-long: ## the tests that `make test` leaves out: the wheel, documents, whole builds, random damage, bundlers
-	@$(MAKE) --no-print-directory --jobs 2 wheel docs
+	@$(MAKE) --no-print-directory --jobs 2 wheel docs test-tools
 	@$(MAKE) --no-print-directory --jobs 2 test-python-long test-e2e-long
 
 test-all: test test-long ## every test but those of test-species, test-distributed and test-containers
@@ -114,7 +115,8 @@ check: $(VENV)/.dev node_modules/.stamp ## linters, formatters and type checkers
 	$(STEP) hadolint $(BIN)/hadolint Dockerfile .devcontainer/Dockerfile
 
 test-python: $(VENV)/.dev build/.kernels web/dist/index.html ## the Python tests
-	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m "not long and not species"
+	@# the tests of the browser take longest, so they come first
+	$(STEP) $@ nice $(PYTEST) $(IN_PARALLEL) -m "not long and not species"
 
 test-python-long: $(VENV)/.dev build/.kernels wheel
 	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m long
@@ -132,7 +134,10 @@ test-containers: ## start the containers and build a tree through the proxy; nee
 	scripts/compose-smoke
 
 test-web: node_modules/.stamp web/player/dist/core.js ## the TypeScript unit tests
-	$(STEP) $@ npm test --silent -- --reporter=dot --silent=passed-only
+	$(STEP) $@ npm test --silent -- $(QUIETLY) --exclude 'tests/tools/**'
+
+test-tools: node_modules/.stamp ## the tests of the species generator, which grows all species again
+	$(STEP) $@ npm test --silent -- $(QUIETLY) tests/tools
 
 test-e2e: $(SITE) browser ## the page in a real Chromium against a real server
 	$(STEP) $@ npm run --silent e2e -- --grep-invert @long
@@ -142,7 +147,7 @@ test-e2e-long: $(SITE) browser
 
 coverage: $(VENV)/.dev $(SITE) ## lines and branches that the tests of `make test` run, in build/coverage; fails if they become fewer
 	@rm -rf build/coverage && mkdir -p build/coverage/python
-	$(STEP) coverage-web npm test --silent -- --coverage --reporter=dot --silent=passed-only
+	$(STEP) coverage-web npm test --silent -- $(QUIETLY) --coverage
 	$(STEP) coverage-run $(BIN)/coverage run -m pytest $(IN_PARALLEL) -m "not long and not species"
 	@$(BIN)/coverage combine --quiet && $(BIN)/coverage html --quiet
 	@$(BIN)/coverage report
