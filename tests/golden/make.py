@@ -13,7 +13,9 @@ from galewood.motion.wind.evaluation import Wind, wind_pressure
 from galewood.pipeline.reduction.training import ModalTraining, Size
 from galewood.pipeline.sampling import training_shapes
 from galewood.pipeline.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
-from galewood.pipeline.stages.assemble import RenderMesh, TableContext, TableSettings, assemble_table
+from galewood.pipeline.tables.assemble import TableContext, assemble_table
+from galewood.pipeline.tables.options import TableSettings
+from galewood.pipeline.tables.surface import RenderMesh
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.solid.fem.model import FemSettings

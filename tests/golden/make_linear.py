@@ -1,4 +1,4 @@
-"""Golden table of linear oscillators, as a build's first table: every mode is an oscillator, none is coupled.
+"""Golden table of linear oscillators, as a table of beams: every mode is an oscillator, none is coupled.
 
 python -m tests.golden.make_linear
 """

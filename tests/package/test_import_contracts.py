@@ -15,7 +15,7 @@ LINT_IMPORTS = Path(sys.executable).with_name("lint-imports")
 PLANTED = {
     "upward import in the library": (
         "precompute/galewood/solid/fem/solver.py",
-        "from galewood.pipeline.stages import BuildOptions",
+        "from galewood.pipeline.tables import BuildOptions",
         "The library's packages import downwards only",
     ),
     "upward import in the service": (
@@ -54,7 +54,7 @@ PLANTED = {
         "No import cycles between modules",
     ),
     "a module of another package": (
-        "precompute/galewood/pipeline/stages/report.py",
+        "precompute/galewood/pipeline/tables/report.py",
         "from galewood.solid.fem.solver import NotPositiveDefinite",
         "Other packages import a package's public names",
     ),

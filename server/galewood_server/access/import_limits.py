@@ -20,7 +20,7 @@ def limited_importer(settings: Settings) -> MeshImporter:
     """Return a function that imports an untrusted mesh. It raises MeshError for every kind of failure."""
 
     def read(data: bytes, filename: str, options: ImportRequest) -> tuple[TreeMesh, bytes]:
-        from galewood.pipeline.stages import EXPECTED_MOTION
+        from galewood.pipeline.tables import EXPECTED_MOTION
         from galewood.sandbox import Limits
         from galewood.tree import import_mesh_sandboxed
 

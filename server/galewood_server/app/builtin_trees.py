@@ -6,7 +6,7 @@ import asyncio
 import logging
 from pathlib import Path
 
-from galewood.pipeline.shipped import SHIPPED_FOLDER, build_key, read_shipped
+from galewood.pipeline.results import SHIPPED_FOLDER, build_key, read_shipped
 from pydantic import BaseModel, TypeAdapter
 from sqlalchemy.orm import Session
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from galewood.pipeline.shipped import ShippedTree
+from galewood.pipeline.results import ShippedTree
 from galewood.util import write_atomically
 from sqlalchemy.orm import Session
 
@@ -13,6 +13,7 @@ from galewood_server.storage import (
     FILE_COLUMNS,
     Job,
     Tree,
+    files_of,
     no_table,
     replace_files,
     store_referenced,
@@ -32,20 +33,12 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
         write_atomically(tets, shipped.tets)
     if tree.job and tree.job.state in ACTIVE_STATES:
         request_cancel(session, tree.job)
-    files = {
-        "table_sha256": shipped.table,
-        "bare_table_sha256": shipped.bare_table,
-        "records_sha256": shipped.records,
-        "compliance_sha256": shipped.compliance,
-        "mesh_sha256": shipped.render_glb,
-    }
     hashes = {
         field: store_referenced(session, service.stores, FILE_COLUMNS[field], data)
-        for field, data in files.items()
-        if data is not None
+        for field, data in files_of(shipped.result).items()
     }
     replace_files(session, tree, {**no_table(), **hashes})
-    tree.preliminary, tree.report = False, shipped.report
+    tree.preliminary, tree.report = False, shipped.result.report
     tree.fingerprint, tree.updated_at = fingerprint, utc_now()
     pictures = {
         name: store_referenced(session, service.stores, "pictures", picture)

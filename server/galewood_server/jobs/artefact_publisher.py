@@ -5,7 +5,10 @@ from __future__ import annotations
 import logging
 import threading
 
-from galewood.table import Metadata, TableError, read_metadata
+from galewood.pipeline.results import PICTURE_SUFFIX
+from galewood.pipeline.stages import RENDER_MESH_FILE, TETS_PREFIX
+from galewood.pipeline.tables import TableStage
+from galewood.table import TableError, read_metadata
 from galewood.util import Cancelled
 from sqlalchemy.orm import Session
 
@@ -23,9 +26,8 @@ from galewood_server.storage import (
 )
 
 log = logging.getLogger("galewood.job")
-BEAMS_FILE, FIRST_FILE, EARLY_FILE = "beams.table", "first.table", "early.table"
-"""Preliminary tables: of beams along the branches, of the natural modes, of the first training runs."""
-MESH_FILE, PICTURE_SUFFIX, TETS_PREFIX = "render.glb", ".png", "tets-"
+PRELIMINARY_STAGES = {stage.file: stage for stage in TableStage if stage.left_out}
+"""Preliminary tables by the name under which they are published."""
 
 
 class ArtefactPublisher:
@@ -50,10 +52,10 @@ class ArtefactPublisher:
             self._publish_picture(name, content)
         elif name.startswith(TETS_PREFIX):
             self._publish_tetrahedra(name, content)
-        elif name == MESH_FILE:
+        elif name == RENDER_MESH_FILE:
             self._publish_mesh(content)
-        elif name in (BEAMS_FILE, FIRST_FILE, EARLY_FILE):
-            self._publish_preliminary_table(name, content)
+        elif name in PRELIMINARY_STAGES:
+            self._publish_preliminary_table(PRELIMINARY_STAGES[name], content)
 
     def _publish_picture(self, name: str, picture: bytes) -> None:
         with self._job_lease.sessions.begin() as session:
@@ -80,43 +82,35 @@ class ArtefactPublisher:
                 mark_garbage(session, "meshes", tree.mesh_sha256)
                 tree.mesh_sha256, tree.updated_at = mesh_sha256, utc_now()
 
-    def _publish_preliminary_table(self, name: str, table: bytes) -> None:
+    def _publish_preliminary_table(self, stage: TableStage, table: bytes) -> None:
         """Set a preliminary table unless the tree has a better one."""
-        metadata = read_metadata(table)
-        mesh_sha256 = str(metadata["mesh_sha256"])
+        mesh_sha256 = str(read_metadata(table)["mesh_sha256"])
         if not self._stores.meshes.has(mesh_sha256):
             return
         files = no_table() | {"table_sha256": self._stores.tables.put(table), "mesh_sha256": mesh_sha256}
         with self._job_lease.sessions.begin() as session:
             tree = self._tree(session)
-            if self._has_better(tree, name, metadata):
+            if self._has_better(tree, stage):
                 mark_garbage(session, "tables", files["table_sha256"])
                 return
             replace_files(session, tree, files)
             store_referenced(session, self._stores, "tables", table)
             tree.preliminary, tree.updated_at = True, utc_now()
 
-    def _has_better(self, tree: Tree, name: str, metadata: Metadata) -> bool:
-        """Whether the tree has a complete table or, in a resumed build, already a later preliminary one."""
-        present = self._metadata(tree.table_sha256)
-        if present is None or not tree.preliminary or name == BEAMS_FILE:
-            return present is not None
-        return (
-            name == FIRST_FILE and model_of(metadata) is not None and model_of(present) == model_of(metadata)
-        )
+    def _has_better(self, tree: Tree, stage: TableStage) -> bool:
+        """Whether the tree has a complete table or, in a resumed build, already an early one."""
+        return self._is_readable(tree.table_sha256) and (not tree.preliminary or stage is TableStage.BEAMS)
 
     def _tree(self, session: Session) -> Tree:
         self._job_lease.check(session)
         return session.get_one(Job, self._job_lease.job_id).tree
 
-    def _metadata(self, sha256: str | None) -> Metadata | None:
-        """The metadata of a stored table; None if there is no readable one."""
+    def _is_readable(self, table_sha256: str | None) -> bool:
+        """Whether there is a table of this hash that clients can read."""
+        if table_sha256 is None:
+            return False
         try:
-            return read_metadata(self._stores.tables.get(sha256)) if sha256 else None
+            read_metadata(self._stores.tables.get(table_sha256))
         except (TableError, OSError):
-            return None
-
-
-def model_of(metadata: Metadata) -> str | None:
-    """Hash of the FEM model that a table was built from."""
-    return metadata.get("provenance", {}).get("model_sha256")
+            return False
+        return True

@@ -9,7 +9,9 @@ from importlib import import_module
 from typing import Any
 
 from galewood.constants import RECORDS_STAGE, STAGES_AFTER_TABLE
-from galewood.pipeline.stages import BuildOptions, BuildResult, Progress
+from galewood.pipeline.results import BuildResult
+from galewood.pipeline.stages import Progress, Stage
+from galewood.pipeline.tables import BuildOptions
 from galewood.util import kernels_compiled
 from sqlalchemy.orm import Session
 
@@ -24,10 +26,12 @@ from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
 from galewood_server.storage import (
     FILE_COLUMNS,
+    FOLLOWING_COLUMNS,
     Job,
     Sessions,
     Stores,
     Tree,
+    files_of,
     no_table,
     replace_files,
     store_referenced,
@@ -37,9 +41,6 @@ from galewood_server.storage import (
 Build = Callable[..., BuildResult]
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
-
-FOLLOWING_COLUMNS = ("records_sha256", "bare_table_sha256", "compliance_sha256")
-"""Columns of the files that follow a complete table."""
 LOADED_EARLY = ("scipy.signal", "distributed")
 """Modules that are slow to load, in the order in which they are needed."""
 
@@ -112,14 +113,14 @@ class RunningBuild:
     def _compile_kernels(self) -> None:
         from galewood.pipeline.stages import compile_kernels
 
-        self._reporter.report("import", 0.0, "Compiling the numeric kernels (once on this machine)")
+        self._reporter.report(Stage.IMPORT.value, 0.0, "Compiling the numeric kernels (once on this machine)")
         compile_kernels()
 
     def _on_progress(self, progress: Progress) -> None:
         if self._loading is None:
             self._loading = threading.Thread(target=load_early, name="load-early", daemon=True)
             self._loading.start()
-        self._reporter.report(progress.stage, progress.fraction, progress.message)
+        self._reporter.report(progress.stage.value, progress.fraction, progress.message)
 
     def _on_table(self, result: BuildResult) -> None:
         """Store the complete table; what follows, the paper's records and the bare table, is less urgent.
@@ -172,7 +173,7 @@ def publish_result(
 ) -> None:
     """Store the files, then, in one transaction, reference them by the tree and set the job to done."""
     files = _put(stores, result, model)
-    done: dict[str, Any] = {"stage": "done", "fraction": 1.0}
+    done: dict[str, Any] = {"stage": Stage.DONE.value, "fraction": 1.0}
     with job_lease.sessions.begin() as session:
         if end_job(session, job_lease.job_id, "done", message="Done", lease=job_lease.lease, **done):
             _set_table(session, stores, inputs, files, result)
@@ -180,15 +181,7 @@ def publish_result(
 
 def _put(stores: Stores, result: BuildResult, model: bytes | None) -> dict[str, bytes]:
     """Store the files of a result, to keep the transaction short that references them: column -> content."""
-    given = {
-        "table_sha256": result.table,
-        "bare_table_sha256": result.bare_table,
-        "records_sha256": result.records,
-        "compliance_sha256": result.compliance,
-        "mesh_sha256": result.render_glb,
-        "model_sha256": model,
-    }
-    files = {field: data for field, data in given.items() if data}
+    files = files_of(result, model)
     for field, data in files.items():
         stores.named(FILE_COLUMNS[field]).put(data)
     return files

@@ -34,7 +34,8 @@ def with_model(
 
 
 def _compute(job_lease: JobLease, settings: Settings, stores: Stores) -> bytes:
-    from galewood.pipeline.stages import BuildOptions, model_of  # loads the meshing packages
+    from galewood.pipeline.stages import model_of  # loads the meshing packages
+    from galewood.pipeline.tables import BuildOptions
 
     with job_lease.sessions() as session:
         tree = session.get_one(Job, job_lease.job_id).tree

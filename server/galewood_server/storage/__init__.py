@@ -15,14 +15,11 @@ from galewood_server.storage.encodings import PREFERRED_CODINGS, coding_of, enco
 from galewood_server.storage.failures import StartError, is_database_busy, is_disk_full, start_failure
 from galewood_server.storage.files import DamagedFileError, FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
-    ANALYSIS_INPUTS,
-    FILE_COLUMNS,
     collect_garbage,
     forget_analysis_folders,
     forget_old_analyses,
     mark_garbage,
     mark_tree_files,
-    no_table,
     referenced_files,
     replace_files,
     store_referenced,
@@ -51,15 +48,24 @@ from galewood_server.storage.raw_rows import (
     readable_rows,
     tree_rows,
 )
-from galewood_server.storage.records import compliance_of, records_of
 from galewood_server.storage.stores import CONTENT_OF_STORE, STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
+from galewood_server.storage.tree_files import (
+    ANALYSIS_INPUTS,
+    FILE_COLUMNS,
+    FOLLOWING_COLUMNS,
+    compliance_of,
+    files_of,
+    no_table,
+    records_of,
+)
 
 __all__ = [
     "ACTIVE_STATES",
     "ANALYSIS_INPUTS",
     "CONTENT_OF_STORE",
     "FILE_COLUMNS",
+    "FOLLOWING_COLUMNS",
     "JOB_FIELDS",
     "PREFERRED_CODINGS",
     "STORE_NAMES",
@@ -88,6 +94,7 @@ __all__ = [
     "engine_of",
     "fetch",
     "file_age_s",
+    "files_of",
     "forget_analysis_folders",
     "forget_old_analyses",
     "insert_for",

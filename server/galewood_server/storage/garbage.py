@@ -17,19 +17,9 @@ from galewood_server.storage.files import is_hash
 from galewood_server.storage.models import ACTIVE_STATES, Garbage, Job, JobKind, Tree
 from galewood_server.storage.raw_rows import raw_column
 from galewood_server.storage.stores import Stores
+from galewood_server.storage.tree_files import ANALYSIS_INPUTS, FILE_COLUMNS
 
-FILE_COLUMNS = {
-    "source_sha256": "sources",
-    "mesh_sha256": "meshes",
-    "table_sha256": "tables",
-    "bare_table_sha256": "tables",
-    "records_sha256": "records",
-    "compliance_sha256": "compliances",
-    "model_sha256": "models",
-}
-"""Column of a tree -> store of the file whose hash it holds."""
 KEPT_ANALYSES = 12
-ANALYSIS_INPUTS = ("table_sha256", "records_sha256", "model_sha256", "mesh_sha256")
 
 
 def mark_garbage(session: Session, kind: str, sha256: str | None) -> None:
@@ -47,12 +37,6 @@ def store_referenced(session: Session, stores: Stores, kind: str, data: bytes) -
     # waits for a garbage collection that is removing this file and makes the next one wait
     session.execute(delete(Garbage).where(Garbage.kind == kind, Garbage.sha256 == sha256))
     return stores.named(kind).put(data)
-
-
-def no_table() -> dict[str, str | None]:
-    """The columns of everything that belongs to one table, without a file."""
-    names = ("table_sha256", "bare_table_sha256", "records_sha256", "compliance_sha256", "model_sha256")
-    return dict.fromkeys(names)
 
 
 def replace_files(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:

@@ -13,7 +13,7 @@ from galewood.check.evaluation.reference_runs import read_reference_run, run_ref
 from galewood.check.evaluation.source import Source, source_of
 from galewood.check.evaluation.winds import unseen_winds
 from galewood.pipeline.stages.build import build_table
-from galewood.pipeline.stages.options import BuildOptions
+from galewood.pipeline.tables.options import BuildOptions
 from galewood.table.format import Table, decode
 
 SPECIES = Path(__file__).parents[3] / "assets" / "species"

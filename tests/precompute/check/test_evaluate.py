@@ -32,7 +32,8 @@ from galewood.check.evaluation.winds import long_gusts, noise, perlin, unseen_wi
 from galewood.io.cli.commands import app
 from galewood.io.cli.tools import file_writer
 from galewood.pipeline.sampling.runner import SampleTask, content_hash, run_task
-from galewood.pipeline.stages.build import BuildOptions, build_table, model_of
+from galewood.pipeline.stages.build import build_table, model_of
+from galewood.pipeline.tables.options import BuildOptions
 from galewood.solid.fem.dynamics import Simulator
 from galewood.table.format import Table, decode
 from galewood.wood import WoodDocument, wood_of_species
@@ -232,11 +233,10 @@ def test_the_source_of_a_table_is_recovered(table: Table, source: Source, refere
     assert left["truncation"] <= left["truncation_and_nodes"] < 0.05 * sway
 
 
-@pytest.mark.parametrize("stage", ["first", "early"])
-def test_preliminary_tables_are_evaluated_like_complete_ones(
-    stage: str, folder: Path, source: Source, reference: ReferenceRun
+def test_an_early_table_is_evaluated_like_a_complete_one(
+    folder: Path, source: Source, reference: ReferenceRun
 ) -> None:
-    table = decode((folder / f"{stage}.table").read_bytes())
+    table = decode((folder / "early.table").read_bytes())
     own = source_of(table, folder / "tree.glb", folder / "cache", workers=1)
     assert own.subspace.modes == table.fitted_modes
     found = compare_methods(table, own, reference)

@@ -9,7 +9,7 @@ from galewood.constants import SEARCH_ANY_AIR
 from galewood.motion.search import candidates, contenders, envelope
 from galewood.motion.search.candidates import Rule, Search, air_of, build_search, gain_bound
 from galewood.motion.search.similarity import InternalStates, compared, mismatch_rows
-from galewood.pipeline.stages.assemble import internal_states, spread_pa
+from galewood.pipeline.tables.assemble import internal_states, spread_pa
 from galewood.player.paper_search import SearchArrays, best_candidate, brute_force, nearest_pressure
 
 from tests.golden.make import SMALL, Beam, beam_runs

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from galewood.pipeline.reduction import wind_scale
 from galewood.pipeline.stages.build import build_table
-from galewood.pipeline.stages.options import BuildOptions
+from galewood.pipeline.tables.options import BuildOptions
 from galewood.table.format import decode
 from galewood.util import MeshError
 

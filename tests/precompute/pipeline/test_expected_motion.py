@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from galewood.io.cli.commands import app
 from galewood.options import BuildRequest, ImportRequest
-from galewood.pipeline.stages import BuildOptions, expected_motion, motion_lines
-from galewood.pipeline.stages.expected import length_words, steady_sway_m
 from galewood.pipeline.stages.kernel_compilation import small_tree_obj
-from galewood.pipeline.stages.stiffness import Goal, goal_of, scaled_to
+from galewood.pipeline.tables import BuildOptions, expected_motion, motion_lines
+from galewood.pipeline.tables.expected import length_words, steady_sway_m
+from galewood.pipeline.tables.stiffness import Goal, goal_of, scaled_to
 from galewood.solid.model import beam_model, typical_frequency_hz
 from galewood.tree import TreeMesh
 from galewood.tree.importer import read_tree
@@ -131,8 +131,8 @@ def test_wood_without_branches_cannot_be_given_a_sway(
     def fails(*args: object, **kwargs: object) -> None:
         raise ValueError("no branches")
 
-    monkeypatch.setattr("galewood.pipeline.stages.stiffness.beam_model", fails)
-    monkeypatch.setattr("galewood.pipeline.stages.expected.beam_model", fails)
+    monkeypatch.setattr("galewood.pipeline.tables.stiffness.beam_model", fails)
+    monkeypatch.setattr("galewood.pipeline.tables.expected.beam_model", fails)
     assert expected_motion(tree) is None
     assert motion_lines(None)
     with pytest.raises(MeshError, match="first frequency instead"):

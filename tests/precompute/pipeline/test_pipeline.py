@@ -7,11 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from galewood.check.evaluation.source import tets_of
+from galewood.pipeline.reduction import linear_motion, oscillators_of
+from galewood.pipeline.results import BuildResult
 from galewood.pipeline.sampling.runner import SampleTask, run_task
 from galewood.pipeline.stages.build import build_table
-from galewood.pipeline.stages.options import BuildOptions, BuildResult, Progress
+from galewood.pipeline.stages.stage import Progress, Stage
+from galewood.pipeline.tables.options import BuildOptions
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
+from galewood.solid.fem import load_model
+from galewood.solid.skinning import points_embedding
 from galewood.table.format import decode
 from galewood.util import Cancelled, MeshError
 
@@ -39,16 +45,15 @@ class Built:
     cache: Path
     progress: list[Progress] = field(default_factory=list[Progress])
     out: dict[str, bytes] = field(default_factory=dict[str, bytes])
-    left_at: dict[str, int] = field(default_factory=dict[str, int])
-    """Runs of the default method still missing when an artefact was published."""
+    left_at: int = 0
+    """Runs of the default method still missing when the early table was published."""
     default: BuildResult | None = None
     result: BuildResult | None = None
 
     def sampled(self, tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
         for count, task in enumerate(tasks, 1):
-            for name in ("first.table", "early.table"):
-                if name not in self.out:
-                    self.left_at[name] = len(tasks) - count + 1
+            if "early.table" not in self.out:
+                self.left_at = len(tasks) - count + 1
             run_task(task)
             done(count)
         return [task.path for task in tasks]
@@ -114,37 +119,55 @@ def test_pictures_are_published_during_the_build(built: Built) -> None:
 
 def test_preliminary_tables_precede_the_complete_one(built: Built) -> None:
     assert built.result and built.default
-    beams, first, early = (decode(built.out[f"{name}.table"]) for name in ("beams", "first", "early"))
+    beams, early = (decode(built.out[f"{name}.table"]) for name in ("beams", "early"))
     complete = decode(built.default.table)
-    tables = [name for name in built.out if name.endswith(".table")]
-    assert tables == ["beams.table", "first.table", "early.table"]
-    assert list(built.left_at) == ["early.table"], "the first two need no run"
-    assert built.left_at["early.table"] > 5
-    for table, stage in ((beams, "beams"), (first, "first"), (early, "early"), (complete, "complete")):
+    assert [name for name in built.out if name.endswith(".table")] == ["beams.table", "early.table"]
+    assert built.left_at > 5
+    for table, stage in ((beams, "beams"), (early, "early"), (complete, "complete")):
         assert table.metadata["provenance"]["stage"] == stage
         assert table.metadata["mesh_sha256"] == complete.metadata["mesh_sha256"]
         assert table.paper is None
-    assert beams.metadata["provenance"]["left_out"] and first.metadata["provenance"]["left_out"]
-    assert early.metadata["provenance"]["preliminary"] is True
+    for table in (beams, early):
+        assert (
+            table.metadata["provenance"]["preliminary"] is True and table.metadata["provenance"]["left_out"]
+        )
     assert "preliminary" not in complete.metadata["provenance"]
 
 
-def test_the_first_table_is_exact_for_small_sway(built: Built) -> None:
-    """In a light wind the natural modes alone move like the model fitted to the simulated runs."""
+def test_the_stages_follow_in_the_order_of_their_list(built: Built) -> None:
+    assert built.result
+    entered = list(dict.fromkeys(report.stage for report in built.progress))
+    assert entered == [stage for stage in Stage if stage is not Stage.BARE]
+    assert list(built.result.report["seconds"]) == entered[:-1]
+
+
+def test_the_natural_modes_alone_are_exact_for_small_sway(built: Built) -> None:
+    """In a light wind the linear model, as in the table of beams, moves like the one fitted to the runs."""
     assert built.default
-    tables = decode(built.out["first.table"]), decode(built.default.table)
+    table = decode(built.default.table)
+    model = load_model(built.cache / "models" / f"{table.metadata['provenance']['model_sha256']}.npz")
+    wind_pa = np.tile([0.0, 0.3], (120, 1))
+    wind_pa[:40, 0] = 0.5
+    mass_kg = model.mass_kg[: model.vertex_count]
+    linear = linear_motion(oscillators_of(model), mass_kg, [wind_pa], model.settings)
+    nodes = points_embedding(table.node_rest_m, tets_of(model))
+    vertices, _, r = linear.subspace.basis.shape
+    top = int(np.argmax(table.node_rest_m[:, 1]))
+    linear_basis = (nodes[top] @ linear.subspace.basis.reshape(vertices, 3 * r)).reshape(3, r)
     crowns: list[np.ndarray] = []
-    for table in tables:
-        forest = ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, 1)
-        top = int(np.argmax(table.node_rest_m[:, 1]))
-        track = [np.zeros(3)]
-        for frame in range(120):
-            forest.advance(1 / 30, [0.5 if frame < 40 else 0.0], [0.3])
-            track.append(table.node_basis[top].astype(np.float64) @ forest.q[0])
+    for modal, basis in (
+        (linear.modal, linear_basis),
+        (table.modal, table.node_basis[top, :, : table.fitted_modes]),
+    ):
+        forest = ModalForest(modal, model.settings.dt_s, np.ones(modal.modes, np.float32), 1)
+        track: list[np.ndarray] = []
+        for x_pa, z_pa in wind_pa:
+            forest.advance(model.settings.dt_s, [x_pa], [z_pa])
+            track.append(basis.astype(np.float64) @ forest.q[0])
         crowns.append(np.array(track))
-    largest = np.abs(crowns[1]).max()
-    assert largest > 0
-    assert np.abs(crowns[0] - crowns[1]).max() < 0.05 * largest
+    largest_m = np.abs(crowns[1]).max()
+    assert largest_m > 0
+    assert np.abs(crowns[0] - crowns[1]).max() < 0.05 * largest_m
 
 
 def test_the_records_follow_in_a_file_of_their_own(built: Built) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.pipeline.stages.summary import figures_of, tree_lines
+from galewood.pipeline.tables.summary import figures_of, tree_lines
 
 NO_SWAY = {"main_mode": None, "main_frequency_hz": None}
 

@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse
 from galewood.check.verify.motion_checks import loaded_pole
 from galewood.motion.wind import Wind, WindError, WindField, parse_wind_or_state, with_front
-from galewood.pipeline.stages.compliance_file import compliance_of, four_largest, whole_weights
+from galewood.pipeline.tables.compliance import compliance_of, four_largest, whole_weights
 from galewood.player import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.pulling import displacement_at, solve, vertex_loads
 from galewood.solid.fem import FemModel, TangentFactor, solve_static, tangent_factor

@@ -7,8 +7,8 @@ from galewood.check.verify.specimens import FORMS, NAMES, read_frame
 from galewood.motion.wind import dynamic_pressure
 from galewood.options import ImportRequest
 from galewood.pipeline.sampling import MAX_SWAY_SHARE
-from galewood.pipeline.stages import BuildOptions
-from galewood.pipeline.stages.from_beams import beam_table
+from galewood.pipeline.tables import BuildOptions
+from galewood.pipeline.tables.from_beams import beam_table
 from galewood.solid.beams import frame_frequencies, frame_matrices, frame_modes
 from galewood.solid.model.beam_tree import beam_model, frame_of
 from galewood.solid.skeleton import outline_of

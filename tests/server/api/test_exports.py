@@ -10,7 +10,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from galewood.pipeline.shipped import ShippedTree, build_key, write_shipped
+from galewood.pipeline.results import BuildResult, ShippedTree, build_key, write_shipped
 
 from tests.golden import GOLDEN_FOLDER
 from tests.server.support.server_process import NO_CLUSTER, REPOSITORY, Server
@@ -30,13 +30,14 @@ def server(start_server: StartServer, tmp_path: Path) -> Server:
     (folder / "small.obj").write_bytes(SOURCE)
     (folder / "species.json").write_text(json.dumps([small]))
     tree = ShippedTree(
-        table=(SHIPPED / "apricot-forest.table").read_bytes(),
-        records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
-        render_glb=(SHIPPED / "apricot-forest.glb").read_bytes(),
+        BuildResult(
+            table=(SHIPPED / "apricot-forest.table").read_bytes(),
+            records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
+            render_glb=(SHIPPED / "apricot-forest.glb").read_bytes(),
+            report={},
+        ),
         tets=b"tetrahedra",
         tets_name="tets-abc.npz",
-        report={},
-        pictures={},
     )
     key = build_key(SOURCE, {"species": "apricot", "height_m": 12})
     write_shipped(folder / "shipped", "small", key, tree)

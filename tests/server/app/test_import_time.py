@@ -10,8 +10,8 @@ from tests.server.support.server_process import REPOSITORY
 
 HEAVY = (
     "dask", "distributed", "galewood.solid.fem", "galewood.tree", "galewood.solid.model", "alembic",
-    "galewood.pipeline.stages", "galewood.pipeline.reduction", "galewood.pipeline.sampling", "matplotlib",
-    "numba", "scipy", "trimesh",
+    "galewood.pipeline.stages", "galewood.pipeline.tables", "galewood.pipeline.reduction",
+    "galewood.pipeline.sampling", "matplotlib", "numba", "scipy", "trimesh",
 )  # fmt: skip
 
 

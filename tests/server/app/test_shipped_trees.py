@@ -11,7 +11,7 @@ from pathlib import Path
 import httpx
 import pytest
 from galewood.motion.wind import Wind
-from galewood.pipeline.shipped import ShippedTree, build_key, read_shipped, write_shipped
+from galewood.pipeline.results import BuildResult, ShippedTree, build_key, read_shipped, write_shipped
 from galewood.table import decode, encode
 
 from tests.golden import GOLDEN_FOLDER
@@ -20,12 +20,14 @@ from tests.server.support.server_process import NO_CLUSTER, Server, wait_until
 StartServer = Callable[..., Server]
 SOURCE = b"mesh of a small tree"
 SHIPPED = ShippedTree(
-    table=(GOLDEN_FOLDER / "pole-table.safetensors").read_bytes(),
-    records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
-    render_glb=b"glTF of the small tree",
+    BuildResult(
+        table=(GOLDEN_FOLDER / "pole-table.safetensors").read_bytes(),
+        records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
+        render_glb=b"glTF of the small tree",
+        report={"import": {"species": "maple"}},
+    ),
     tets=b"tetrahedra",
     tets_name="tets-abc.npz",
-    report={"import": {"species": "maple"}},
     pictures={"skeleton.png": b"\x89PNG of the skeleton"},
 )
 
@@ -63,10 +65,10 @@ def test_a_shipped_tree_is_ready_at_the_first_request(start_server: StartServer,
     server = start(start_server, species)
     with server.client() as api:
         tree = api.get("/api/trees/small").json()
-        assert (tree["state"], tree["report"]) == ("ready", SHIPPED.report)
-        assert tree["table_sha256"] == sha256(SHIPPED.table)
-        assert api.get(f"/api/records/{tree['records_sha256']}").content == SHIPPED.records
-        assert api.get(f"/api/meshes/{tree['mesh_sha256']}").content == SHIPPED.render_glb
+        assert (tree["state"], tree["report"]) == ("ready", SHIPPED.result.report)
+        assert tree["table_sha256"] == sha256(SHIPPED.result.table)
+        assert api.get(f"/api/records/{tree['records_sha256']}").content == SHIPPED.result.records
+        assert api.get(f"/api/meshes/{tree['mesh_sha256']}").content == SHIPPED.result.render_glb
         (job,) = api.get("/api/jobs").json()["jobs"]
         assert (job["state"], job["id"]) == ("done", tree["job_id"])
         picture = api.get(f"/api/jobs/{job['id']}/pictures/skeleton.png")
@@ -114,17 +116,21 @@ def test_a_shipped_table_replaces_an_older_one(start_server: StartServer, specie
     (species / "small.obj").write_bytes(b"of a later mesh")
     with start(start_server, species).client() as api:
         tree = api.get("/api/trees/small").json()
-        assert tree["table_sha256"] == sha256(SHIPPED.table) != old["table_sha256"]
+        assert tree["table_sha256"] == sha256(SHIPPED.result.table) != old["table_sha256"]
         assert tree["state"] == "ready" and tree["job_id"] != old["job_id"]
 
 
 def bare_table() -> bytes:
-    pole = decode(SHIPPED.table)
+    pole = decode(SHIPPED.result.table)
     return encode(replace(pole, metadata={**pole.metadata, "foliage": "bare"}))
 
 
+def with_bare_table() -> ShippedTree:
+    return replace(SHIPPED, result=replace(SHIPPED.result, bare_table=bare_table()))
+
+
 def test_shipped_files_have_a_bare_table_or_not(tmp_path: Path) -> None:
-    for shipped in (SHIPPED, replace(SHIPPED, bare_table=bare_table())):
+    for shipped in (SHIPPED, with_bare_table()):
         write_shipped(tmp_path, "small", "key", shipped)
         assert read_shipped(tmp_path, "small", "key") == shipped
     (tmp_path / "small.bare.table").write_bytes(b"damaged")
@@ -132,11 +138,11 @@ def test_shipped_files_have_a_bare_table_or_not(tmp_path: Path) -> None:
 
 
 def test_a_shipped_bare_table_is_installed_and_served(start_server: StartServer, species: Path) -> None:
-    ship(species, SOURCE, replace(SHIPPED, bare_table=bare_table()))
+    ship(species, SOURCE, with_bare_table())
     with start(start_server, species).client() as api:
         tree = api.get("/api/trees/small").json()
         bare = tree["bare_table_sha256"]
-        assert bare == sha256(bare_table()) != tree["table_sha256"] == sha256(SHIPPED.table)
+        assert bare == sha256(bare_table()) != tree["table_sha256"] == sha256(SHIPPED.result.table)
         assert api.get(f"/api/tables/{bare}").content == bare_table()
         assert api.get(f"/api/tables/{bare}/metadata").json()["metadata"]["foliage"] == "bare"
         (listed,) = api.get("/api/tables").json()["tables"]
@@ -176,4 +182,6 @@ def test_a_shipped_tree_can_be_compared(start_server: StartServer, species: Path
         url = answer.headers["location"]
         wait_until(lambda: api.get(url).json()["state"] == "done")
         settings = api.get(url).json()["settings"]
-        assert settings["records_sha256"] == sha256(SHIPPED.records) and settings["model_sha256"] is None
+        assert SHIPPED.result.records
+        assert settings["records_sha256"] == sha256(SHIPPED.result.records)
+        assert settings["model_sha256"] is None

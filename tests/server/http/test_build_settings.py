@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import pytest
-from galewood.pipeline.stages.options import BuildOptions
+from galewood.pipeline.tables.options import BuildOptions
 from galewood.wood.species import SPECIES
 from galewood_server.http.schemas import JobRequest
 from pydantic import ValidationError

@@ -13,7 +13,7 @@ import pytest
 import typer
 from galewood.io.cli import app
 from galewood.options import BuildRequest, ImportRequest, TableRequest, list_fields
-from galewood.pipeline.stages import BuildOptions
+from galewood.pipeline.tables import BuildOptions
 from galewood_server.app import create_app
 from galewood_server.cli import commands
 from galewood_server.http.multipart import UPLOAD_FORM

@@ -9,7 +9,8 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
-from galewood.pipeline.stages.options import BuildOptions, BuildResult
+from galewood.pipeline.results import BuildResult
+from galewood.pipeline.tables.options import BuildOptions
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
 from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
@@ -103,14 +104,11 @@ def build(tmp_path: Path) -> Build:
 
 
 def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> None:
-    first, early, full = build.table(2.0), build.table(3.0), build.table(4.0)
+    early, full = build.table(3.0), build.table(4.0)
     build.publish("render.glb", MESH)
     assert build.tree.state == "building" and build.stores.meshes.get(known(build.tree.mesh_sha256)) == MESH
-    build.publish("beams.table", build.table(1.0, "no model"))
+    build.publish("beams.table", build.table(1.0))
     assert build.tree.state == "preliminary"
-    build.publish("first.table", first)
-    assert build.tree.state == "preliminary"
-    assert build.stores.tables.get(known(build.tree.table_sha256)) == first
     build.publish("early.table", early)
     assert build.tree.state == "preliminary"
     old = known(build.tree.table_sha256)
@@ -120,18 +118,17 @@ def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> 
     assert build.stores.models.get(known(build.tree.model_sha256)) == b"model"
     assert build.stores.tables.has(old)  # clients may still fetch it
     assert build.collect_garbage(grace_s=600) == 0 and build.stores.tables.has(old)
-    assert build.collect_garbage() == 3 and not build.stores.tables.has(old)
+    assert build.collect_garbage() == 2 and not build.stores.tables.has(old)
     assert build.stores.tables.has(known(build.tree.table_sha256))
 
 
 def test_a_resumed_build_keeps_the_early_table(build: Build) -> None:
-    build.publish("first.table", build.table(2.0))
+    build.publish("beams.table", build.table(1.0))
     build.publish("early.table", build.table(3.0))
     early = build.tree.table_sha256
-    build.publish("first.table", build.table(2.0))
-    build.publish("beams.table", build.table(1.0, "no model"))
+    build.publish("beams.table", build.table(1.0))
     assert build.tree.table_sha256 == early
-    build.publish("first.table", build.table(2.0, "another model"))
+    build.publish("early.table", build.table(3.5))
     assert build.tree.table_sha256 != early
 
 
@@ -200,7 +197,7 @@ def test_a_preliminary_table_has_no_records(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
     build.next()
-    build.publish("first.table", build.table(2.0))
+    build.publish("early.table", build.table(2.0))
     assert (build.tree.state, build.tree.records_sha256) == ("preliminary", None)
 
 

@@ -14,7 +14,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from galewood.pipeline.stages.options import BuildOptions, BuildResult, Progress
+from galewood.pipeline.results import BuildResult
+from galewood.pipeline.stages.stage import Progress, Stage
+from galewood.pipeline.tables.options import BuildOptions
 from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.job_process import main
 from galewood_server.jobs.progress import JobLease, ProgressReporter
@@ -50,7 +52,7 @@ def fake_build(
     log.parent.mkdir(parents=True, exist_ok=True)
     done = len(log.read_text().split()) if log.exists() else 0
     for step in range(done, STEPS):
-        progress(Progress("sampling", step / STEPS, f"step {step}"))
+        progress(Progress(Stage.SAMPLING, step / STEPS, f"step {step}"))
         time.sleep(step_s)
         with log.open("a") as file:
             file.write(f"{step}\n")
@@ -64,15 +66,15 @@ def fake_build(
     if not options.bare_table:
         return result
     on_table(result)
-    progress(Progress("bare", 0.5, "without leaves"))
+    progress(Progress(Stage.BARE, 0.5, "without leaves"))
     return replace(result, bare_table=b"bare table of " + source[:64])
 
 
 def compute_records(filename: str, cache_dir: Path, progress: Callable[[Progress], None]) -> None:
     """The stage "records"; it lasts while the file exists that `hold_records` makes."""
-    progress(Progress("records", 0.0, "records"))
+    progress(Progress(Stage.RECORDS, 0.0, "records"))
     while held(cache_dir, filename).exists():
-        progress(Progress("records", 0.5, "records"))
+        progress(Progress(Stage.RECORDS, 0.5, "records"))
         time.sleep(0.02)
 
 

@@ -13,7 +13,7 @@ from galewood.check.bench.fem import bench_fem
 from galewood.check.bench.samples import bench_samples, prepared
 from galewood.check.bench.tables import OnProgress, bench_build, bench_forest, bench_search
 from galewood.check.bench.wind import bench_wind
-from galewood.pipeline.stages import BuildOptions
+from galewood.pipeline.tables import BuildOptions
 from galewood.table import decode
 
 __all__ = ["PARTS", "chosen_parts", "run_bench"]

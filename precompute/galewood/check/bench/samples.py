@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from galewood.pipeline.sampling import SampleWind, design_wind, sample_trajectory, sample_winds
-from galewood.pipeline.stages import BuildOptions
+from galewood.pipeline.tables import BuildOptions
 from galewood.solid.fem import FemModel, Simulator
 from galewood.solid.model import reference_model, tree_model
 from galewood.solid.skeleton import sampled_elements

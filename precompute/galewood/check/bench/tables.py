@@ -12,7 +12,8 @@ import numpy as np
 import zstandard
 
 from galewood.motion.wind import Wind, wind_pressure
-from galewood.pipeline.stages import BuildOptions, Progress, build_table
+from galewood.pipeline.stages import TETS_PREFIX, Progress, build_table
+from galewood.pipeline.tables import BuildOptions
 from galewood.player import ModalForest, PaperForest, grid_placements
 from galewood.table import Table, decode
 from galewood.util import PeakMemory, cpu_seconds
@@ -34,7 +35,7 @@ def bench_build(
     published: dict[str, dict[str, float]] = {}
 
     def publish(name: str, content: bytes) -> None:
-        shown = "tetrahedra" if name.startswith("tets-") else name
+        shown = "tetrahedra" if name.startswith(TETS_PREFIX) else name
         published[shown] = {
             "wall_s": time.perf_counter() - begun_s,
             "cpu_s": cpu_seconds() - begun_cpu_s,

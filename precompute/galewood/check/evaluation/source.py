@@ -17,27 +17,18 @@ import numpy as np
 import scipy.sparse
 
 from galewood.options import BuildRequest, ImportRequest
-from galewood.pipeline.reduction import (
-    ModalTraining,
-    Subspace,
-    linear_motion,
-    oscillators_of,
-    output_modes,
-    size_of,
-    sizes_for,
-    training_winds,
-)
+from galewood.pipeline.reduction import Subspace, output_modes, size_of
 from galewood.pipeline.sampling import (
     ALL_COSINES,
     COSINE_PREFIX,
     SampledRun,
     Samples,
     content_hash,
-    plan_samples,
     run_in_processes,
     simulate,
 )
-from galewood.pipeline.stages import TableSettings
+from galewood.pipeline.stages import TrainingModel
+from galewood.pipeline.tables import TableSettings, TableStage
 from galewood.solid.fem import FemModel, load_model
 from galewood.solid.skeleton import extract_skeleton, sampled_elements
 from galewood.solid.skinning import points_embedding, render_embedding
@@ -48,6 +39,8 @@ from galewood.util import Floats, Int64s, write_atomically
 
 OnProgress = Callable[[float, str], None]
 USUAL_OPTIONS = BuildRequest()
+TOLD_OPTIONS = ("seed", "sampled_elements")
+"""Options of a build that the metadata of its table names."""
 
 
 class SourceError(ValueError):
@@ -147,7 +140,7 @@ def kept_model(path: Path, metadata: Metadata, cache_dir: Path) -> Path:
 
 def _model_sha256(metadata: Metadata) -> str:
     sha256 = metadata["provenance"].get("model_sha256")
-    if metadata["provenance"].get("stage") == "beams":
+    if metadata["provenance"].get("stage") == TableStage.BEAMS:
         raise SourceError("this preliminary table was made from beams: evaluate the complete table instead")
     if not isinstance(sha256, str):
         raise SourceError("this table does not name its model: build it again")
@@ -179,31 +172,37 @@ def read_mesh(table: Table, mesh: Path) -> TreeMesh:
 
 def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2) -> Samples:
     """The runs that a table was built from; those of the default method are simulated if they are missing."""
+    return _simulated(table, _training_model(table, model, mesh), cache_dir, workers)
+
+
+def _training_model(table: Table, model: FemModel, mesh: TetMesh) -> TrainingModel:
+    elements = sampled_elements(mesh, extract_skeleton(mesh), options_of(table).sampled_elements)
+    return TrainingModel(model, float(table.metadata["height_m"]), mesh.tets[elements])
+
+
+def _simulated(table: Table, model: TrainingModel, cache_dir: Path, workers: int) -> Samples:
+    """The runs of a table; those that it was fitted to exist."""
+    samples = model.plan(float(table.metadata["design_speed_m_s"]), options_of(table), cache_dir)
+    run = partial(run_in_processes, workers=workers)
+    simulate(_stage_of(table).samples(samples), run, lambda done: None, lambda: None)
+    return samples
+
+
+def options_of(table: Table) -> BuildRequest:
+    """The options of a table's build that determine its runs; what the table does not tell is the default."""
     provenance = table.metadata["provenance"]
     paper = table.paper.metadata if table.paper else provenance
     by_name = zip(paper["winds"], paper["frames"], strict=True)
     cosines = [int(count) for name, count in by_name if name.startswith(COSINE_PREFIX)]
-    elements = sampled_elements(mesh, extract_skeleton(mesh), _sampled_elements(table))
-    speed_m_s = float(table.metadata["design_speed_m_s"])
-    mass_kg, height_m = model.mass_kg[: model.vertex_count], float(table.metadata["height_m"])
-    seed = int(provenance.get("seed", USUAL_OPTIONS.seed))
-    winds = training_winds(oscillators_of(model), mass_kg, height_m, model.settings, seed)
-    samples = plan_samples(
-        model, speed_m_s, mesh.tets[elements], cache_dir, winds,
-        frames=cosines[0] if cosines else USUAL_OPTIONS.frames, all_winds=len(cosines) == ALL_COSINES,
-    )  # fmt: skip
-    stage = provenance.get("stage")
-    if stage == "first":  # made from the natural modes alone
-        return samples
-    wanted = samples.first() if stage == "early" else samples
-    simulate(wanted, partial(run_in_processes, workers=workers), lambda done: None, lambda: None)
-    return samples
+    known = {name: int(value) for name, value in {**provenance, **paper}.items() if name in TOLD_OPTIONS}
+    frames = {"frames": cosines[0]} if cosines else {}
+    return USUAL_OPTIONS.model_copy(
+        update={**known, **frames, "all_cosine_winds": len(cosines) == ALL_COSINES}
+    )
 
 
-def _sampled_elements(table: Table) -> int:
-    """Number of elements at which the runs of a table were recorded."""
-    known = {**table.metadata["provenance"], **(table.paper.metadata if table.paper else {})}
-    return int(known.get("sampled_elements", USUAL_OPTIONS.sampled_elements))
+def _stage_of(table: Table) -> TableStage:
+    return TableStage(table.metadata["provenance"].get("stage", TableStage.COMPLETE))
 
 
 def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
@@ -214,21 +213,16 @@ def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
 
 def table_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the vertices of the wood, computed as in the build. Raises SourceError."""
-    samples = samples_of(table, model, mesh, cache_dir, workers)
-    mass_kg, body = model.mass_kg[: model.vertex_count], oscillators_of(model)
-    stage = table.metadata["provenance"].get("stage")
-    if stage == "first":
-        winds_pa = [task.wind.pressure_pa for task in samples.default]
-        return linear_motion(body, mass_kg, winds_pa, model.settings).subspace
-    runs = (samples.first() if stage == "early" else samples).default_runs()
+    own = _training_model(table, model, mesh)
+    samples = _stage_of(table).samples(_simulated(table, own, cache_dir, workers))
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
-    training = ModalTraining(body, model.settings, runs, sizes_for(settings.modes))
-    tolerance_m = settings.truncation_share * float(table.metadata["height_m"])
+    training = own.training(samples.default_runs(), settings.modes)
+    tolerance_m = settings.truncation_share * own.height_m
     try:
         size = size_of(training, len(table.modal_step))
     except ValueError as error:
         raise SourceError(str(error)) from error
-    return output_modes(training, mass_kg, tolerance_m, size)[1]
+    return output_modes(training, own.mass_kg, tolerance_m, size)[1]
 
 
 def _rendered(table: Table, mesh: TetMesh) -> RenderedVertices:

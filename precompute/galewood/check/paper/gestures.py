@@ -25,7 +25,7 @@ from galewood.check.evaluation import (
 from galewood.check.paper.plan import Plan
 from galewood.pipeline.reduction import ModalTraining, Subspace, oscillators_of, output_modes, size_of
 from galewood.pipeline.sampling import DIRECTIONS_DEG, SampledRun, sample_winds
-from galewood.pipeline.stages import TableContext, TableSettings, assemble_table, render_mesh
+from galewood.pipeline.tables import TableContext, TableSettings, assemble_table, render_mesh
 from galewood.player import PaperForest
 from galewood.solid.skeleton import extract_skeleton
 from galewood.solid.skinning import axis_of_tets

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from galewood.options import USUAL_TETS
-from galewood.pipeline.stages import BuildOptions, BuiltinMesh, build_table, builtin_meshes
+from galewood.pipeline.stages import BuiltinMesh, build_table, builtin_meshes
+from galewood.pipeline.tables import BuildOptions
 from galewood.table import Table, decode, encode, without_gusts
 from galewood.util import write_atomically
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from galewood.check.paper.plan import OnProgress, Plan
 from galewood.motion.search import compared, mismatch_rows
 from galewood.pipeline.sampling import SampledRun
-from galewood.pipeline.stages import internal_states
+from galewood.pipeline.tables import internal_states
 from galewood.player import PaperForest, gaussian
 from galewood.table import Table
 from galewood.util import Array

@@ -11,8 +11,9 @@ import numpy as np
 from galewood.check.evaluation import Source, evaluate_table, source_of
 from galewood.check.verify.checks import Check, absolute, skipped
 from galewood.options import EvaluationOptions
-from galewood.pipeline.shipped import SHIPPED_FOLDER, ShippedTree, read_shipped
-from galewood.pipeline.stages import BuildOptions, BuiltinMesh, build_table, builtin_meshes
+from galewood.pipeline.results import SHIPPED_FOLDER, ShippedTree, read_shipped
+from galewood.pipeline.stages import BuiltinMesh, build_table, builtin_meshes
+from galewood.pipeline.tables import BuildOptions
 from galewood.table import Table, decode
 
 FRAME_COUNT = 300
@@ -43,7 +44,7 @@ def of_tree(mesh: BuiltinMesh, shipped: ShippedTree) -> Iterator[Check]:
         (cache / "tets").mkdir()
         (cache / "tets" / shipped.tets_name).write_bytes(shipped.tets)
         rebuilt, glb = _built(mesh, cache)
-        table = decode(shipped.table, shipped.records)
+        table = decode(shipped.result.table, shipped.result.records)
         yield _frequencies(f"{mesh.name}, shipped: frequencies, same tetrahedra", table, rebuilt, SAME_MESH)
         yield from _errors(mesh.name, table, rebuilt, glb, cache)
     with tempfile.TemporaryDirectory() as folder:

@@ -18,7 +18,9 @@ from galewood.io.api.cache import default_cache_dir
 from galewood.io.api.keywords import with_keywords_of
 from galewood.io.api.trees import Tree
 from galewood.options import TableRequest
-from galewood.pipeline.stages import BuildOptions, Progress, bare_path, build_tree
+from galewood.pipeline.results import bare_path
+from galewood.pipeline.stages import Progress, build_tree
+from galewood.pipeline.tables import BuildOptions
 from galewood.table import Foliage, Table, decode
 from galewood.util import Floats, Ints, write_atomically
 

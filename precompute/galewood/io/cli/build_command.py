@@ -17,7 +17,7 @@ from galewood.io.cli.tools import (
     progress_reporter,
     write_figures,
 )
-from galewood.pipeline.stages import BuildOptions
+from galewood.pipeline.tables import BuildOptions
 
 if TYPE_CHECKING:
     from galewood.util import MeshError
@@ -119,14 +119,9 @@ def _build_one(
 ) -> None:
     """Build one tree. MeshError."""
     from galewood.formats import mesh_with_companions
-    from galewood.pipeline.stages import (
-        bare_path,
-        build_table,
-        expected_motion,
-        import_lines,
-        motion_lines,
-        tree_lines,
-    )
+    from galewood.pipeline.results import bare_path
+    from galewood.pipeline.stages import build_table
+    from galewood.pipeline.tables import expected_motion, import_lines, motion_lines, tree_lines
     from galewood.solid.skinning import distortion_line
     from galewood.tree import TreeMesh
 

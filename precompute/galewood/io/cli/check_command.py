@@ -35,7 +35,7 @@ def check(
     """
     from galewood.formats import mesh_with_companions
     from galewood.pipeline.pictures import draw_limited
-    from galewood.pipeline.stages import EXPECTED_MOTION, import_lines, motion_lines
+    from galewood.pipeline.tables import EXPECTED_MOTION, import_lines, motion_lines
     from galewood.tree import import_mesh_sandboxed
     from galewood.util import MeshError
 

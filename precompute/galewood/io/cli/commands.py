@@ -187,7 +187,7 @@ def ship(
     cache_dir: CacheDir = Path("data/cache"),
 ) -> None:
     """Build the tables that are distributed with the built-in trees, where they are out of date."""
-    from galewood.pipeline.shipped import SHIPPED_FOLDER
+    from galewood.pipeline.results import SHIPPED_FOLDER
     from galewood.pipeline.stages import builtin_meshes, outdated
 
     meshes = {mesh.name: mesh for mesh in builtin_meshes(species_dir)}
@@ -203,7 +203,7 @@ def ship(
 
 
 def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:
-    from galewood.pipeline.shipped import SHIPPED_FOLDER
+    from galewood.pipeline.results import SHIPPED_FOLDER
     from galewood.pipeline.stages import ship as ship_tree
 
     with progress_bar() as bar:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from galewood.io.api import MotionTable, Tree, load
 from galewood.packaged import species_folder
-from galewood.pipeline.shipped import SHIPPED_FOLDER
-from galewood.pipeline.stages import BuildOptions, beam_table
+from galewood.pipeline.results import SHIPPED_FOLDER
+from galewood.pipeline.tables import BuildOptions, beam_table
 from galewood.table import encode
 
 

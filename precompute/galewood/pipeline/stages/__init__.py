@@ -1,4 +1,4 @@
-"""From a mesh file to a table file: the pipeline, its options, progress and report."""
+"""The stages of a build: from a mesh file to a table file, with progress and what is published on the way."""
 
 import lazy_loader
 

@@ -11,6 +11,10 @@ from typing import ParamSpec
 from galewood.util import WorkerPool
 
 log = logging.getLogger("galewood.build")
+RENDER_MESH_FILE = "render.glb"
+"""Name under which a build publishes the mesh that its tables animate."""
+TETS_PREFIX = "tets-"
+"""Tetrahedra are published under their name in the mesher's cache, which begins with this."""
 Arguments = ParamSpec("Arguments")
 Publish = Callable[[str, bytes], None]
 """Receives a name ("tetrahedra.png") and the content. Called by one thread at a time, not always the same."""
@@ -26,6 +30,7 @@ class ArtefactPublisher:
         self._pool = pool
         self._publish = publish
         self._lock = threading.Lock()
+        self._computing: list[threading.Thread] = []
 
     def draw(
         self,
@@ -39,15 +44,20 @@ class ArtefactPublisher:
             future = self._pool.start(picture, *args, **kwargs)
             future.add_done_callback(lambda drawn: self._publish_safely(name, drawn.result))
 
-    def compute(self, name: str, make: Callable[[], bytes]) -> Callable[[], None]:
-        """Start computing an artefact in a thread, and publish it; the returned function waits for that.
+    def compute(self, name: str, make: Callable[[], bytes]) -> None:
+        """Start computing an artefact in a thread; it is published when it is done.
 
         The workers are still starting when the first table is wanted, and this process waits for the mesher.
         """
-        thread = threading.Thread(target=self._publish_safely, args=(name, make), name=name, daemon=True)
         if self._publish:
+            thread = threading.Thread(target=self._publish_safely, args=(name, make), name=name, daemon=True)
+            self._computing.append(thread)
             thread.start()
-        return lambda: thread.join() if self._publish else None
+
+    def wait(self) -> None:
+        """Wait until everything that is computed in threads is published: what follows replaces it."""
+        while self._computing:
+            self._computing.pop().join()
 
     def _publish_safely(self, name: str, make: Callable[[], bytes]) -> None:
         try:

@@ -16,7 +16,7 @@ from galewood.motion.wind import Wind, WindField
 from galewood.options import METHOD_NAMES
 from galewood.pipeline.sampling import SampleTask, run_task
 from galewood.pipeline.stages.build import build_table
-from galewood.pipeline.stages.options import BuildOptions
+from galewood.pipeline.tables import BuildOptions
 from galewood.player import WindDrivenTrees
 from galewood.table import Table, decode
 from galewood.util import Floats, compile_once

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from galewood.pipeline.shipped import (
+from galewood.pipeline.results import (
     PICTURE_SUFFIX,
     SHIPPED_FOLDER,
     ShippedTree,
@@ -16,10 +16,10 @@ from galewood.pipeline.shipped import (
     read_shipped,
     write_shipped,
 )
+from galewood.pipeline.stages.artefacts import TETS_PREFIX
 from galewood.pipeline.stages.build import build_table
-from galewood.pipeline.stages.options import BuildOptions, Progress
-
-TETS_PREFIX = "tets-"
+from galewood.pipeline.stages.stage import Progress
+from galewood.pipeline.tables import BuildOptions
 
 
 @dataclass(frozen=True)
@@ -62,19 +62,9 @@ def ship(
         cache_dir=cache_dir,
         publish=published.__setitem__,
     )
-    assert result.records is not None
     tets_name = next(name for name in published if name.startswith(TETS_PREFIX))
-    tree = ShippedTree(
-        table=result.table,
-        records=result.records,
-        render_glb=result.render_glb,
-        tets=published[tets_name],
-        tets_name=tets_name,
-        report=result.report,
-        pictures={name: content for name, content in published.items() if name.endswith(PICTURE_SUFFIX)},
-        bare_table=result.bare_table,
-        compliance=result.compliance,
-    )
+    pictures = {name: content for name, content in published.items() if name.endswith(PICTURE_SUFFIX)}
+    tree = ShippedTree(result, published[tets_name], tets_name, pictures)
     write_shipped(folder, mesh.name, mesh.key, tree)
     return tree
 

@@ -9,7 +9,7 @@ from galewood.check.verify.beam_checks import POLE_WOOD, SPRUNG_LIMITS, sprung
 from galewood.check.verify.beams import CLAMPED_NUMBER, sprung_pole_frequency
 from galewood.options import BuildRequest
 from galewood.pipeline.sampling.runner import content_hash
-from galewood.pipeline.stages import BuildOptions
+from galewood.pipeline.tables import BuildOptions
 from galewood.solid.fem import (
     Element,
     FemModel,

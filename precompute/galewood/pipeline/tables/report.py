@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from galewood.pipeline.sampling import DesignWind, content_hash
-from galewood.pipeline.stages.options import BuildOptions, Stages
-from galewood.pipeline.stages.summary import figures_of
+from galewood.pipeline.tables.options import BuildOptions
+from galewood.pipeline.tables.summary import figures_of
 from galewood.solid.fem import FemModel
 from galewood.solid.model import TreeModel
 from galewood.table import Metadata, Records, Table
@@ -69,9 +69,8 @@ def build_report(
     table: Table,
     records: Records | None,
     reference: dict[str, Any] | None,
-    stages: Stages,
 ) -> dict[str, Any]:
-    """JSON-able report of all assumptions and measurements of a build, by stage."""
+    """JSON-able report of all assumptions and measurements of a build, but its durations."""
     return {
         "import": tree.report,
         "tree": figures_of(tree, made),
@@ -87,8 +86,6 @@ def build_report(
             **(_of_records(records) if records else {}),
         },
         "drawn": table.metadata.get("drawn", {}),
-        "seconds": stages.seconds,
-        "cpu_seconds": stages.cpu_seconds,
     }
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.constants import TABLE_VERSION
+from galewood.pipeline.results.result import BuildResult
 from galewood.table import read_metadata
 from galewood.util import write_atomically
 from galewood.versions import SAMPLING_VERSION
@@ -24,25 +25,27 @@ from galewood.versions import SAMPLING_VERSION
 SHIPPED_FOLDER = "shipped"
 """Folder of the shipped files, beside the meshes of the built-in trees."""
 PICTURE_SUFFIX = ".png"
+SHIPPED_SUFFIXES = {
+    "table": ".table",
+    "bare_table": ".bare.table",
+    "records": ".records.gz",
+    "compliance": ".compliance.gz",
+    "render_glb": ".glb",
+}
+"""File of a result -> how its name ends, after that of the tree."""
+TETS_SUFFIX, PACKED_SUFFIX = ".tets.npz", ".gz"
 
 
 @dataclass(frozen=True)
 class ShippedTree:
-    """The results of a build, as they are distributed."""
+    """The result of a build, as it is distributed."""
 
-    table: bytes
-    records: bytes
-    render_glb: bytes
+    result: BuildResult
     tets: bytes
     """The file of the tetrahedra in the mesher's cache."""
     tets_name: str
     """Its name in the folder ``tets`` of a cache."""
-    report: dict[str, Any]
     pictures: dict[str, bytes] = field(default_factory=dict[str, bytes])
-    bare_table: bytes | None = None
-    """The table of the tree without its leaves; None: it has none."""
-    compliance: bytes | None = None
-    """The compliance file; None: it has none."""
 
 
 def build_key(source: bytes, options: dict[str, Any]) -> str:
@@ -62,10 +65,10 @@ def write_shipped(folder: Path, name: str, key: str, tree: ShippedTree) -> None:
         write_atomically(folder / file, content)
     index = {
         "key": key,
-        "software": read_metadata(tree.table)["provenance"].get("software"),
+        "software": read_metadata(tree.result.table)["provenance"].get("software"),
         "tets_name": tree.tets_name,
         "files": {file: hashlib.sha256(content).hexdigest() for file, content in contents.items()},
-        "report": tree.report,
+        "report": tree.result.report,
     }
     write_atomically(folder / f"{name}.json", (json.dumps(index, indent=1) + "\n").encode())
 
@@ -79,33 +82,42 @@ def read_shipped(folder: Path, name: str, key: str) -> ShippedTree | None:
         files = {file: (folder / file).read_bytes() for file in index["files"]}
         if any(hashlib.sha256(files[file]).hexdigest() != sha for file, sha in index["files"].items()):
             return None
-        start = len(name) + 1
+        found = {
+            kind: _unpacked(suffix, files[name + suffix])
+            for kind, suffix in SHIPPED_SUFFIXES.items()
+            if name + suffix in files
+        }
         return ShippedTree(
-            table=files[f"{name}.table"],
-            records=gzip.decompress(files[f"{name}.records.gz"]),
-            render_glb=files[f"{name}.glb"],
-            tets=files[f"{name}.tets.npz"],
+            result=BuildResult(
+                table=found["table"],
+                records=found["records"],
+                render_glb=found["render_glb"],
+                report=dict(index["report"]),
+                bare_table=found.get("bare_table"),
+                compliance=found.get("compliance"),
+            ),
+            tets=files[name + TETS_SUFFIX],
             tets_name=str(index["tets_name"]),
-            report=dict(index["report"]),
-            pictures={file[start:]: files[file] for file in files if file.endswith(PICTURE_SUFFIX)},
-            bare_table=files.get(f"{name}.bare.table"),
-            compliance=_unpacked(files.get(f"{name}.compliance.gz")),
+            pictures={
+                file.removeprefix(f"{name}."): files[file] for file in files if file.endswith(PICTURE_SUFFIX)
+            },
         )
     except (OSError, ValueError, KeyError, EOFError):
         return None
 
 
-def _unpacked(packed: bytes | None) -> bytes | None:
-    return None if packed is None else gzip.decompress(packed)
-
-
 def _contents(name: str, tree: ShippedTree) -> dict[str, bytes]:
+    made = {suffix: getattr(tree.result, kind) for kind, suffix in SHIPPED_SUFFIXES.items()}
     return {
-        f"{name}.table": tree.table,
-        **({f"{name}.bare.table": tree.bare_table} if tree.bare_table else {}),
-        f"{name}.records.gz": gzip.compress(tree.records, 9, mtime=0),
-        **({f"{name}.compliance.gz": gzip.compress(tree.compliance, 9, mtime=0)} if tree.compliance else {}),
-        f"{name}.glb": tree.render_glb,
-        f"{name}.tets.npz": tree.tets,
+        **{name + suffix: _packed(suffix, content) for suffix, content in made.items() if content},
+        name + TETS_SUFFIX: tree.tets,
         **{f"{name}.{picture}": content for picture, content in tree.pictures.items()},
     }
+
+
+def _packed(suffix: str, content: bytes) -> bytes:
+    return gzip.compress(content, 9, mtime=0) if suffix.endswith(PACKED_SUFFIX) else content
+
+
+def _unpacked(suffix: str, content: bytes) -> bytes:
+    return gzip.decompress(content) if suffix.endswith(PACKED_SUFFIX) else content

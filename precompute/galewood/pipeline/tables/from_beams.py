@@ -8,22 +8,16 @@ from galewood.constants import STREAMLINED_EXPONENT
 from galewood.motion.wind import dynamic_pressure
 from galewood.pipeline.reduction import Exposure, Oscillators, training_winds
 from galewood.pipeline.sampling import MAX_SWAY_SHARE
-from galewood.pipeline.stages.assemble import TableContext, assemble_first
-from galewood.pipeline.stages.options import BuildOptions
-from galewood.pipeline.stages.report import Body, describe
-from galewood.pipeline.stages.stiffness import goal_of
-from galewood.pipeline.stages.surface import render_mesh
+from galewood.pipeline.tables.assemble import TableContext, assemble_linear
+from galewood.pipeline.tables.options import BuildOptions
+from galewood.pipeline.tables.report import Body, describe
+from galewood.pipeline.tables.stiffness import goal_of
+from galewood.pipeline.tables.surface import render_mesh
+from galewood.pipeline.tables.table_stage import TableStage
 from galewood.solid.fem import rayleigh
 from galewood.solid.model import BeamModel, beam_model
 from galewood.table import encode
 from galewood.tree import TreeMesh
-
-LEFT_OUT = [
-    "the shape of the wood: its branches move as round beams",
-    "the weight of the tree",
-    "the change of stiffness, damping and wind load with the sway",
-    "the curved paths of branches that bend far",
-]
 
 
 def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> bytes:
@@ -46,8 +40,8 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
     oscillators = _oscillators(model, wood.damping_ratio, options)
     training = training_winds(oscillators, model.mass_kg, tree.height_m, options.fem, options.seed)
     winds = [wind.pressure_pa for wind in training.default]
-    table = assemble_first(oscillators, winds, options.fem, of)
-    table.metadata["provenance"] |= {"stage": "beams", "preliminary": True, "left_out": LEFT_OUT}
+    table = assemble_linear(oscillators, winds, options.fem, of)
+    TableStage.BEAMS.mark(table)
     return encode(table)
 
 

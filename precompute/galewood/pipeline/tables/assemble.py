@@ -1,4 +1,4 @@
-"""Assembles the parts of a table: the default method's first and final table, and the paper's records."""
+"""Assembles the parts of a table: the motion of the default method, and the paper's records."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from galewood.pipeline.reduction import (
     quantum,
 )
 from galewood.pipeline.sampling import SampledRun, SampleWind
-from galewood.pipeline.stages.options import TableSettings
-from galewood.pipeline.stages.surface import RenderMesh
+from galewood.pipeline.tables.options import TableSettings
+from galewood.pipeline.tables.surface import RenderMesh
 from galewood.solid.fem import FemSettings
 from galewood.solid.skinning import MotionSamples, Skin, make_skin, with_attached_pieces
 from galewood.table import Metadata, Records, Table
@@ -66,10 +66,10 @@ class DefaultPart:
     subspace: Subspace
 
 
-def assemble_first(
+def assemble_linear(
     body: Oscillators, winds_pa: Sequence[Floats], fem: FemSettings, of: TableContext
 ) -> Table:
-    """A table from the natural modes alone: linear motion, without any simulation.
+    """A table of natural modes alone: linear motion, without any simulation.
 
     ``winds_pa`` (T, 2) are the winds whose motion decides which vertices share a node.
     """

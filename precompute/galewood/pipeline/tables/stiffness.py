@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from galewood.pipeline.stages.expected import STORM_M_S, steady_sway_m
-from galewood.pipeline.stages.options import BuildOptions
+from galewood.pipeline.tables.expected import STORM_M_S, steady_sway_m
+from galewood.pipeline.tables.options import BuildOptions
 from galewood.solid.fem import FemModel
 from galewood.solid.model import BeamModel, beam_model
 from galewood.tree import TreeMesh
