@@ -191,7 +191,7 @@ def licence(found: PackageMetadata) -> str:
 
 
 def javascript(*kinds: str) -> set[str]:
-    """The direct dependencies of the page, the package galewood, the tools and tests; three-186 is an older three."""
+    """The direct dependencies of page, player, generator and tests; three-186 is an older three."""
     root = json.loads((REPOSITORY / "package.json").read_text())
     folders = [REPOSITORY / name for name in root["workspaces"]]
     manifests = [root, *(json.loads((folder / "package.json").read_text()) for folder in folders)]
