@@ -8,6 +8,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import galewood
+import griffe
 import yaml
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -62,3 +64,20 @@ def test_the_development_container_has_the_python_of_the_image() -> None:
     (base,) = re.findall(r"^FROM (python\S+)$", text(".devcontainer/Dockerfile"), re.MULTILINE)
     assert f"FROM {base}" in text("Dockerfile")
     assert json.loads(text(".devcontainer/devcontainer.json"))["build"] == {"dockerfile": "Dockerfile"}
+
+
+def mkdocstrings_settings() -> dict[str, Any]:
+    """The settings of mkdocstrings' Python handler. MkDocs' own tags are not for a plain YAML loader."""
+    (block,) = re.findall(r"(?ms)^  - mkdocstrings:\n(.*?)\n\n", text("mkdocs.yml"))
+    return yaml.safe_load(block)["handlers"]["python"]
+
+
+def test_the_reference_of_the_library_describes_every_public_name() -> None:
+    extension = mkdocstrings_settings()["options"]["extensions"][0]
+    package = griffe.load(
+        "galewood",
+        search_paths=[str(REPOSITORY / "precompute")],
+        extensions=griffe.load_extensions(str(REPOSITORY / extension)),
+    )
+    described = {name for name, member in package.members.items() if member.is_exported}
+    assert described == set(dir(galewood))
