@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from galewood.pipeline.stages import BuildOptions
+from galewood.pipeline.tables import BuildOptions
 
 from tests.precompute.check.accuracy import ORDINARY
 from tests.precompute.check.test_accuracy import LIMIT

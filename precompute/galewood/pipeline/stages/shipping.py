@@ -1,4 +1,4 @@
-"""Builds the tables that are distributed with the software (`pipeline.shipped` describes the files)."""
+"""Builds the tables that are distributed with the software (`pipeline.results.shipped`: their files)."""
 
 from __future__ import annotations
 
