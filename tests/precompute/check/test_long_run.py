@@ -6,7 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
-import galewood.motion.modal
+import galewood.motion
 import galewood.player
 import numpy as np
 import pytest
@@ -70,7 +70,7 @@ def test_the_key_covers_the_search_parameters_of_the_table() -> None:
     assert key(replace(TABLE, paper=replace(TABLE.records, metadata=eased))) != key()
 
 
-@pytest.mark.parametrize("package", [galewood.motion.modal, galewood.player])
+@pytest.mark.parametrize("package", [galewood.motion, galewood.player])
 def test_the_key_covers_the_stepping_code(
     package: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -79,6 +79,6 @@ def test_the_key_covers_the_stepping_code(
     shutil.copytree(package.__path__[0], copy)
     monkeypatch.setattr(package, "__path__", [str(copy)])
     assert key() == before
-    changed = next(path for path in sorted(copy.glob("*.py")) if path.name != "__init__.py")
+    changed = next(path for path in sorted(copy.rglob("*.py")) if path.name != "__init__.py")
     changed.write_text(changed.read_text() + "\nCHANGED = True\n")
     assert key() != before
