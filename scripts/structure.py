@@ -15,21 +15,22 @@ import ast
 import os
 import re
 import sys
+import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
+from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROOTS = ("precompute", "server", "scripts", "tests", "spec", "docs", "web", "tools")
-SKIPPED_FOLDERS = {"node_modules", "dist", "__pycache__", "results"}
+SKIPPED_FOLDERS = {"node_modules", "dist", "__pycache__"}
+TEST_OUTPUT = "tests/e2e/results"
 SUFFIXES = {".py", ".ts", ".tsx", ".js", ".mjs"}
 PYTHON_SCRIPT = b"#!/usr/bin/env python3"
 """First line of a script without a suffix."""
 LIBRARIES = {"precompute": "galewood", "server": "galewood_server"}
 """Python packages that are divided into packages, by the folder that they are in."""
-PACKAGE_GROUPS = {"check", "io", "motion", "pipeline", "solid"}
-"""Folders of the library whose folders are packages of their own, as in the import contracts."""
 
 MOST_FILES = 15
 CROWDED_FOLDERS: dict[str, int] = {}
@@ -53,7 +54,10 @@ def sources(root: Path) -> Iterator[Path]:
     """The source files below the folders of the project, without what is installed or built there."""
     for name in ROOTS:
         for folder, folders, files in os.walk(root / name):
-            folders[:] = sorted(set(folders) - SKIPPED_FOLDERS)
+            inside = Path(folder).relative_to(root)
+            folders[:] = sorted(
+                {one for one in folders if (inside / one).as_posix() != TEST_OUTPUT} - SKIPPED_FOLDERS
+            )
             paths = [Path(folder, file) for file in sorted(files)]
             yield from (path for path in paths if path.suffix in SUFFIXES or _is_python(path))
 
@@ -119,7 +123,15 @@ def _package_of(path: Path) -> str:
     """``galewood.solid.fem`` for its files; "" for files of no such package."""
     if len(path.parts) < 4 or LIBRARIES.get(path.parts[0]) != path.parts[1]:
         return ""
-    return ".".join(path.parts[1 : 4 if path.parts[2] in PACKAGE_GROUPS else 3])
+    return ".".join(path.parts[1 : 4 if ".".join(path.parts[1:3]) in _package_groups() else 3])
+
+
+@cache
+def _package_groups() -> set[str]:
+    """Packages whose packages count as packages of their own, from the import contract on public names."""
+    settings = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    return next(set(contract["groups"]) for contract in contracts if contract["id"] == "public-names")
 
 
 def _origin(node: ast.ImportFrom, path: Path) -> str:

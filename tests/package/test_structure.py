@@ -16,7 +16,7 @@ from scripts import structure as limits
 
 REPOSITORY = Path(__file__).parents[2]
 VULTURE = Path(sys.executable).with_name("vulture")
-LEFT_OUT = shutil.ignore_patterns("__pycache__", "node_modules", "dist", "results", "data", "*.glb", "*.npz")
+LEFT_OUT = shutil.ignore_patterns("__pycache__", "node_modules", "dist", "data", "*.glb", "*.npz")
 
 
 def checked(command: list[str | Path], folder: Path) -> subprocess.CompletedProcess[str]:
@@ -62,6 +62,16 @@ def test_a_folder_of_sixteen_files_is_found(tmp_path: Path) -> None:
     found = structure(tmp_path)
     assert found.returncode == 1
     assert idle_entries_left_out(found.stdout) == ["web/src/planted: 16 source files, at most 15"]
+
+
+def test_a_package_named_results_is_read_and_the_output_of_tests_is_not(tmp_path: Path) -> None:
+    for name in ("server/galewood_server/results", "tests/e2e/results"):
+        (tmp_path / name).mkdir(parents=True)
+        for number in range(16):
+            (tmp_path / name / f"file{number}.py").touch()
+    assert idle_entries_left_out(structure(tmp_path).stdout) == [
+        "server/galewood_server/results: 16 source files, at most 15"
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Writes a small tree as web sites ship trees, in four ways: python -m …write_formats FOLDER
+"""Writes a small tree as web sites ship trees, in four ways, into the folder that is the argument.
 
 draco.glb (compressed, a texture as WebP), skinned.glb (lies on its side without its skeleton), tree.zip (OBJ
 with its materials and a texture),

@@ -27,7 +27,7 @@ from galewood.check.evaluation.reference_runs import (
     run_references,
     sway_of,
 )
-from galewood.check.evaluation.source import Source, SourceError, find_model, source_of
+from galewood.check.evaluation.source import Source, SourceError, find_model, source_of, stage_of
 from galewood.check.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.io.cli.commands import app
 from galewood.io.cli.tools import file_writer
@@ -328,3 +328,11 @@ def test_the_command_needs_only_the_table_and_fails_without_its_model(folder: Pa
 def test_the_model_of_another_table_is_refused(folder: Path) -> None:
     with pytest.raises(SourceError):
         find_model({"provenance": {"model_sha256": "0" * 64}}, folder / "cache")
+
+
+def test_a_table_of_an_unknown_stage_is_refused() -> None:
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
+    provenance = table.metadata["provenance"] | {"stage": "first"}
+    other = replace(table, metadata=table.metadata | {"provenance": provenance})
+    with pytest.raises(SourceError, match="unknown stage, 'first'"):
+        stage_of(other)

@@ -184,7 +184,7 @@ def _simulated(table: Table, model: TrainingModel, cache_dir: Path, workers: int
     """The runs of a table; those that it was fitted to exist."""
     samples = model.plan(float(table.metadata["design_speed_m_s"]), options_of(table), cache_dir)
     run = partial(run_in_processes, workers=workers)
-    simulate(_stage_of(table).samples(samples), run, lambda done: None, lambda: None)
+    simulate(stage_of(table).samples(samples), run, lambda done: None, lambda: None)
     return samples
 
 
@@ -201,8 +201,13 @@ def options_of(table: Table) -> BuildRequest:
     )
 
 
-def _stage_of(table: Table) -> TableStage:
-    return TableStage(table.metadata["provenance"].get("stage", TableStage.COMPLETE))
+def stage_of(table: Table) -> TableStage:
+    """How complete a table is. Raises SourceError for a stage that no build makes."""
+    name = table.metadata["provenance"].get("stage", TableStage.COMPLETE)
+    try:
+        return TableStage(name)
+    except ValueError:
+        raise SourceError(f"this table has an unknown stage, {name!r}: build it again") from None
 
 
 def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
@@ -214,7 +219,7 @@ def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
 def table_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the vertices of the wood, computed as in the build. Raises SourceError."""
     own = _training_model(table, model, mesh)
-    samples = _stage_of(table).samples(_simulated(table, own, cache_dir, workers))
+    samples = stage_of(table).samples(_simulated(table, own, cache_dir, workers))
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
     training = own.training(samples.default_runs(), settings.modes)
     tolerance_m = settings.truncation_share * own.height_m
