@@ -1,4 +1,4 @@
-"""`galewood build`: its options follow from the fields of ``galewood.pipeline.stages.BuildOptions``."""
+"""`galewood build`: its options follow from the fields of ``galewood.pipeline.tables.BuildOptions``."""
 
 from __future__ import annotations
 
