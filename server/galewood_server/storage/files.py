@@ -61,8 +61,11 @@ class FileStore:
 
     def get(self, sha256: str) -> bytes:
         """The stored bytes. FileNotFoundError, DamagedFileError."""
-        self.check(sha256)
-        return self.path(sha256).read_bytes()
+        data = self.path(sha256).read_bytes()
+        # these bytes are checked, not the file before or after: it may be damaged or replaced meanwhile
+        if hashlib.sha256(data).hexdigest() != sha256:
+            raise self._damaged(sha256)
+        return data
 
     def check(self, sha256: str) -> None:
         """Raise DamagedFileError, and log it, if a stored file's content does not match its name.
@@ -70,8 +73,11 @@ class FileStore:
         FileNotFoundError.
         """
         if not self.is_intact(sha256):
-            log.error("the stored file %s/%s is damaged", self.root.name, sha256)
-            raise DamagedFileError(self.root.name, sha256)
+            raise self._damaged(sha256)
+
+    def _damaged(self, sha256: str) -> DamagedFileError:
+        log.error("the stored file %s/%s is damaged", self.root.name, sha256)
+        return DamagedFileError(self.root.name, sha256)
 
     def is_intact(self, sha256: str) -> bool:
         """Whether a stored file's content matches its name. It is read again only after it has changed."""
