@@ -5,7 +5,7 @@ import { decodeTable, type Table } from "../../../../web/player/src/core/table/t
 import { WindField } from "../../../../web/player/src/core/wind/wind";
 import { carryGroup, poseTransfer, rowsBefore } from "../../../../web/player/src/worker/motion/carry";
 import { LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
-import { coarserNodes, groupRows } from "../../../../web/player/src/worker/table/nodeLevels";
+import { coarserNodes, groupRows } from "../../../../web/player/src/core/table/nodeLevels";
 import { tableMotion } from "../../../../web/player/src/worker/table/tableMotion";
 import { golden } from "../../golden";
 import { seededRandom } from "../../seeded";
