@@ -135,11 +135,11 @@ test.each([
   const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
   const peak_pa = dynamicPressure(7);
   const wind = new GroupWind(placement, 10, peak_pa, clamps);
-  wind.update(field, 3);
+  wind.update(field, field.at(3));
   const out = new Float32Array(2 * poseStride(3));
   wind.writeSpeeds(out, 3);
   const [velocityX, velocityZ] = [new Float64Array(2), new Float64Array(2)];
-  field.velocity(Float32Array.of(0, 5), Float32Array.of(0, 3), 3, velocityX, velocityZ);
+  field.velocity(Float32Array.of(0, 5), Float32Array.of(0, 3), field.at(3), velocityX, velocityZ);
   expect(out[3]).toBeGreaterThan(0);
   expect(out[7]).toBeGreaterThanOrEqual(out[3]);
   expect(wind.extrapolationRatioAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);

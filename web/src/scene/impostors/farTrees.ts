@@ -171,12 +171,13 @@ export class FarTrees {
 
   /** Advances all trees, also hidden ones, in the wind at a time; the cards then move towards their new poses. */
   advance(dt_s: number, time_s: number, field: WindField, motion: TableMotion, cards: Cards | null): void {
-    const { wind } = field.at(time_s);
+    const moment = field.at(time_s);
+    const { wind } = moment;
     if (this.moves !== motion) this.take(motion);
     if (!this.sway) return;
     this.setHeights(motion.height_m, wind.height_exponent, wind.reference_height_m);
     this.before.set(this.sway.tips);
-    field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ, this.factor);
+    field.pressure(this.x, this.z, moment, this.pressureX, this.pressureZ, this.factor);
     this.sway.advance(dt_s, this.pressureX, this.pressureZ, wind.mean_speed_m_s);
     if (!cards) return;
     this.writeBend(cards.seen, this.seen, cards.seen.count);

@@ -1,5 +1,6 @@
 /** Winds of a forest: a wind document, or a function of place and time. */
 import type { Output, Places } from "../wind/frame";
+import type { Moment } from "../wind/transition";
 import { type WindDocument, WindField } from "../wind/wind";
 
 /** A point in the world, m. */
@@ -41,7 +42,7 @@ export class GivenWind extends WindField {
     super(AS_GIVEN);
   }
 
-  override velocity(x: Places, z: Places, time_s: number, outX: Output, outZ: Output): void {
+  override velocity(x: Places, z: Places, { time_s }: Moment, outX: Output, outZ: Output): void {
     this.fill(x, z, time_s, outX, outZ);
   }
 }

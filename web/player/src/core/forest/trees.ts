@@ -31,8 +31,8 @@ export function advance(groups: readonly Trees[], field: WindField, time_s: numb
   let now_s = time_s;
   for (let step = 0; step < steps; step++) {
     now_s += step_s;
-    for (const trees of groups) trees.rotatePressure(field, now_s);
     const moment = field.at(now_s);
+    for (const trees of groups) trees.updateWind(field, moment);
     for (const trees of groups) trees.step(step_s, moment);
   }
   return now_s;

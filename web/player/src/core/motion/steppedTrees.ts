@@ -47,8 +47,8 @@ export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
   }
 
   /** Evaluates the wind at every tree; call before `step`. */
-  rotatePressure(field: WindField, time_s: number): void {
-    this.wind.update(field, time_s);
+  updateWind(field: WindField, moment: Moment): void {
+    this.wind.update(field, moment);
   }
 
   step(dt_s: number, moment: Moment): void {

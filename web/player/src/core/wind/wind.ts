@@ -40,5 +40,5 @@ export function windPressure(
     last.wind = wind;
     last.field.state = steady(wind);
   }
-  last.field.pressure(x, z, t, outX, outZ);
+  last.field.pressure(x, z, last.field.at(t), outX, outZ);
 }

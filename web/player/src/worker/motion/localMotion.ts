@@ -66,11 +66,12 @@ export class LocalMotion implements MotionSource {
 
   /** Starts the trees of the modal method where and as fast as they are displayed; `adopt` has precedence. */
   startAt(starts: readonly (StartOfGroup | null)[]): void {
+    const moment = this.field.at(this.time_s);
     for (const [g, { trees }] of this.groups.entries()) {
       const { lookup, wind, modes } = trees;
       const start = starts[g];
       if (!start || !(lookup instanceof ModalForest)) continue;
-      wind.update(this.field, this.time_s);
+      wind.update(this.field, moment);
       const stride = poseStride(modes);
       for (let tree = 0; tree < lookup.count; tree++) {
         if (start.known[tree] === 0) continue;
@@ -172,9 +173,9 @@ export class LocalMotion implements MotionSource {
   private step(dt_s: number): void {
     this.time_s += dt_s;
     const begin_ms = performance.now();
-    for (const { trees } of this.groups) trees.rotatePressure(this.field, this.time_s);
-    this.wind_ms += performance.now() - begin_ms;
     const moment = this.field.at(this.time_s);
+    for (const { trees } of this.groups) trees.updateWind(this.field, moment);
+    this.wind_ms += performance.now() - begin_ms;
     for (const { trees } of this.groups) trees.step(dt_s, moment);
   }
 

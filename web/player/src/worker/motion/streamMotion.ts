@@ -206,8 +206,9 @@ export class StreamMotion implements MotionSource {
     this.time_s = shown_s;
     this.pulled = this.pulls.at(shown_s);
     const begin_ms = performance.now();
+    const moment = this.field.at(shown_s);
     for (const [g, wind] of this.winds.entries()) {
-      wind.update(this.field, shown_s);
+      wind.update(this.field, moment);
       wind.writeSpeeds(out[g], this.groups[g].scale.length);
     }
     this.wind_ms += performance.now() - begin_ms;
