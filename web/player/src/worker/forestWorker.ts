@@ -171,7 +171,7 @@ scope.onmessage = ({ data }) => {
       break;
     case "wind":
       field?.change(data.wind, source?.time_s ?? 0);
-      source?.windChanged(data.wind);
+      source?.sendWind?.(data.wind);
       break;
     case "pull":
       source?.pull(data.order);

@@ -46,9 +46,8 @@ export class FailoverMotion implements MotionSource {
     return this.source.inspect(at);
   }
 
-  windChanged(wind: WindDocument): void {
-    this.stream.windChanged(wind);
-    this.local?.windChanged();
+  sendWind(wind: WindDocument): void {
+    this.stream.sendWind(wind);
   }
 
   pull(order: PullOrder): void {

@@ -100,8 +100,6 @@ export class LocalMotion implements MotionSource {
     }
   }
 
-  windChanged(): void {}
-
   tableOf(group: number): LocalGroup | null {
     return this.groups[group]?.group ?? null;
   }

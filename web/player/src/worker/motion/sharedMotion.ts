@@ -112,7 +112,7 @@ export class SharedMotion implements MotionSource {
     return this.local.inspect(at);
   }
 
-  windChanged(wind: WindDocument): void {
+  sendWind(wind: WindDocument): void {
     this.windSender.change(wind);
   }
 

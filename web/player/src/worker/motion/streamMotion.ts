@@ -146,7 +146,7 @@ export class StreamMotion implements MotionSource {
     this.socket.send({ type: "gust", x, z });
   }
 
-  windChanged(wind: WindDocument): void {
+  sendWind(wind: WindDocument): void {
     this.windSender.change(wind);
   }
 

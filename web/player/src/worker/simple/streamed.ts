@@ -83,7 +83,7 @@ export class StreamedForest {
       });
     } else if (this.field) {
       this.field.change(wind, this.time_s);
-      this.motion?.windChanged(wind);
+      this.motion?.sendWind(wind);
     } else this.field = new WindField(wind);
   }
 
