@@ -73,7 +73,7 @@ describe("biome rejects", () => {
     ["web/src/scene/sky/planted.ts", "../../page/app", "scene knows nothing of the page"],
     ["web/src/scene/sky/planted.ts", "galewood/client-worker", "scene starts no worker"],
     ["web/src/scene/sky/planted.ts", "../../../player/src/trees/culling", "by its public subpaths"],
-    ["web/src/page/planted.ts", "../../player/src/core/wind/wind", "by its public subpaths"],
+    ["web/src/page/planted.ts", "../../player/src/core/wind/document", "by its public subpaths"],
     ["web/src/page/ui/planted.ts", "../../../player/dist/core.js", "by its public subpaths"],
   ])("%s importing %s", async (file, specifier, message) => {
     for (const text of [importing(specifier), importingType(specifier)]) {

@@ -5,7 +5,7 @@ import { hashUnit } from "../../../web/player/src/core/math/random";
 import { leafTint } from "../../../web/src/scene/season/palette";
 import { progressLine, statusLine, summary, timeLeft } from "../../../web/src/page/ui/words";
 import { plainWind } from "../../../web/player/src/core/wind/edit";
-import { parseWind } from "../../../web/player/src/core/wind/wind";
+import { parseWind } from "../../../web/player/src/core/wind/document";
 import { WIND_LIMITS } from "../../../web/src/page/settings/windQuery";
 import { DEFAULTS } from "../../../web/src/page/settings/settings";
 

@@ -1,7 +1,8 @@
 /** Time per frame of the wind of a large forest, for each model. */
 import { TICK_HZ, WIND_MODELS } from "../../player/src/core/constants";
-import { hasField, type WindDocument, type WindModel } from "../../player/src/core/wind/document";
+import { hasField, type WindDocument } from "../../player/src/core/wind/document";
 import { WindField } from "../../player/src/core/wind/field";
+import type { WindModel } from "../../player/src/core/wind/fields";
 
 export interface WindTiming {
   readonly median_ms: number;

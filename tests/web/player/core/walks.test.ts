@@ -4,7 +4,8 @@ import { PaperForest } from "../../../../web/player/src/core/motion/paperSearch"
 import type { Records } from "../../../../web/player/src/core/table/records";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
 import { ModalForest } from "../../../../web/player/src/core/modal/modalForest";
-import { parseWind, type WindDocument, WindField } from "../../../../web/player/src/core/wind/wind";
+import { parseWind, type WindDocument } from "../../../../web/player/src/core/wind/document";
+import { WindField } from "../../../../web/player/src/core/wind/field";
 import { golden, goldenJson } from "../../golden";
 
 interface Walks {

@@ -1,14 +1,7 @@
 import { describe, expect, test } from "vitest";
-import {
-  changeWind,
-  finalWind,
-  parseState,
-  parseWind,
-  steady,
-  type WindDocument,
-  WindField,
-  withFront,
-} from "../../../../web/player/src/core/wind/wind";
+import { parseWind, type WindDocument } from "../../../../web/player/src/core/wind/document";
+import { WindField } from "../../../../web/player/src/core/wind/field";
+import { changeWind, finalWind, parseState, steady, withFront } from "../../../../web/player/src/core/wind/transition";
 import { Eddies } from "../../../../web/player/src/core/wind/models/navierStokes";
 import { goldenJson } from "../../golden";
 

@@ -1,7 +1,7 @@
 /** The front end of a notebook's widget (anywidget): a small forest below a cell. Everything it needs is in its one file. */
 
 import workerSource from "virtual:worker";
-import { parseWind, type WindDocument } from "../core/wind/wind";
+import { parseWind, type WindDocument } from "../core/wind/document";
 import { Forest } from "../three/forest";
 import { places, Stage } from "../three/stage";
 import { WindControls } from "./windControls";

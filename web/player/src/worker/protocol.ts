@@ -3,7 +3,8 @@
 import type { Method } from "../core/motion/method";
 import type { DrawnMotion, FirstSway } from "../core/table/drawnTable";
 import type { Foliage } from "../core/table/table";
-import type { WindDocument, WindState } from "../core/wind/wind";
+import type { WindDocument } from "../core/wind/document";
+import type { WindState } from "../core/wind/transition";
 import type { About } from "../core/wire/wire";
 
 /** Where poses are computed. */

@@ -1,7 +1,9 @@
 /** Winds of a forest: a wind document, or a function of place and time. */
+
+import type { WindDocument } from "../wind/document";
+import { WindField } from "../wind/field";
 import type { Output, Places } from "../wind/frame";
 import type { Moment } from "../wind/transition";
-import { type WindDocument, WindField } from "../wind/wind";
 
 /** A point in the world, m. */
 export interface Point {

@@ -4,7 +4,7 @@ import { ModalForest } from "../modal/modalForest";
 import { GroupWind } from "../motion/groupWind";
 import { SteppedTrees, stepsOf } from "../motion/steppedTrees";
 import type { Table } from "../table/table";
-import type { WindField } from "../wind/wind";
+import type { WindField } from "../wind/field";
 
 export type Trees = SteppedTrees<ModalForest>;
 

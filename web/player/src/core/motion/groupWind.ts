@@ -1,8 +1,8 @@
 /** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
 
-import { compression, pressureOfVelocity } from "../wind/pressure";
+import type { WindField } from "../wind/field";
+import { compression, dynamicPressure, heightFactor, pressureOfVelocity } from "../wind/pressure";
 import type { Moment } from "../wind/transition";
-import { dynamicPressure, heightFactor, type WindField } from "../wind/wind";
 import { poseStride } from "./poseStride";
 
 export class GroupWind {

@@ -1,7 +1,7 @@
 /** The trees of one table, stepped by the wind at each of them: the modal or the paper's method, and the gust layer. */
 import type { GustLayer } from "../modal/gustLayer";
+import type { WindField } from "../wind/field";
 import type { Moment } from "../wind/transition";
-import type { WindField } from "../wind/wind";
 import type { GroupWind } from "./groupWind";
 import { poseStride } from "./poseStride";
 import type { TreeInstances } from "./treeInstances";

@@ -4,7 +4,8 @@
  */
 
 import { FRONT_LIFE_S, MOST_FRONTS, TRANSITION_S } from "../constants";
-import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument, WindError } from "./document";
+import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument } from "./document";
+import { WindError } from "./fields";
 import { type Front, parseFronts } from "./fronts";
 
 /** A transition from one wind document to another since a given time; serializable. */

@@ -1,4 +1,4 @@
-import type { WindDocument } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
 /** The interface of everything that produces poses. */
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import type { Pulled } from "./pulls/pulled";

@@ -3,7 +3,9 @@
 import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
-import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
+import type { WindField } from "../../core/wind/field";
+import { parseState } from "../../core/wind/transition";
 import type { Clock, Frame, Reply, Request } from "../../core/wire/wire";
 import type { Connection, Inspection, PullOrder, ShareRequest, TreeAt } from "../protocol";
 import { forestRequest } from "../stream/forestRequest";

@@ -2,7 +2,7 @@
 
 import { drawnBuffers } from "../../core/table/drawnMotion";
 import type { DrawnMotion } from "../../core/table/drawnTable";
-import type { WindDocument } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
 import type { Floats, FromWorker, GroupFrame, ToWorker } from "./messages";
 
 /** What computes poses. */

@@ -3,7 +3,9 @@
 import { drawnMotion } from "../../core/table/drawnMotion";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import { decodeWithoutRecords, type Table } from "../../core/table/table";
-import { finalWind, parseState, type WindDocument, WindField } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
+import { WindField } from "../../core/wind/field";
+import { finalWind, parseState } from "../../core/wind/transition";
 import type { Reply } from "../../core/wire/wire";
 import { PointResponses } from "../motion/pulls/pointResponses";
 import { type StreamGroup, StreamMotion } from "../motion/streamMotion";
