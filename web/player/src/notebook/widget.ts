@@ -6,7 +6,7 @@ import { Forest } from "../three/forest";
 import { places, Stage } from "../three/stage";
 import { WindControls } from "./windControls";
 
-/** The part of anywidget's model that is needed; precompute/galewood/notebook/widget.py is its other side. */
+/** The part of anywidget's model that is needed; precompute/galewood/io/notebook/widget.py is its other side. */
 export interface Model {
   get(name: "table" | "mesh"): DataView;
   get(name: "trees" | "height_px"): number;

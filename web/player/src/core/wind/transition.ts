@@ -1,6 +1,6 @@
 /**
  * State of a forest's wind over time: a change of the document is a smooth transition. The reasons are in
- * precompute/galewood/wind/transition.py.
+ * precompute/galewood/motion/wind/transition.py.
  */
 
 import { FRONT_LIFE_S, MOST_FRONTS, TRANSITION_S } from "../constants";
