@@ -114,7 +114,9 @@ class Simulation:
     def __init__(self, model: ModalTensors, target: Target, metric: Floats, dt_s: float) -> None:
         tensors = (model.step, model.load, model.sway, model.limits)
         self._tensors = tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
-        self._drag = drag_tensors(model.drag_point, model.drag_shape, model.drag_rest)
+        self._drag = drag_tensors(
+            model.drag_point, model.drag_shape, model.drag_rest, model.streamlined_exponent
+        )
         self._target, self._metric, self._half_s = target, metric, dt_s / 2
         steps, lanes = len(target.pressure_pa), len(target.weight[0])
         d, terms = len(model.step), len(model.force)

@@ -25,7 +25,7 @@ let last: { wind: WindDocument; field: WindField } | undefined;
 
 /**
  * Writes the pressure vector (Pa, world x and z) at each position x, z (m) and time t (s) in a constant wind document.
- * Exactly 0 in still air. A running forest uses a WindField instead.
+ * Exactly 0 in still air. `exponent`: that of the trees (`dynamicPressure`). A running forest uses a WindField instead.
  */
 export function windPressure(
   wind: WindDocument,
@@ -34,11 +34,12 @@ export function windPressure(
   t: number,
   outX: Output,
   outZ: Output,
+  exponent: number,
 ): void {
   if (!last) last = { wind, field: new WindField(wind) };
   if (last.wind !== wind) {
     last.wind = wind;
     last.field.state = steady(wind);
   }
-  last.field.pressure(x, z, t, outX, outZ);
+  last.field.pressure(x, z, t, outX, outZ, exponent);
 }
