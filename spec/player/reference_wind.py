@@ -148,9 +148,7 @@ def crown_field(seed: int) -> Any:
     return field / np.sqrt(np.mean(field**2, axis=(0, 1)))
 
 
-def crown_gusts(
-    wind: dict[str, Any], field: Any, places: Any, p: Any, t: float, exponent: float
-) -> Any:
+def crown_gusts(wind: dict[str, Any], field: Any, places: Any, p: Any, t: float, exponent: float) -> Any:
     """(G, 2): a and b at places (G, 3) of the world, m, where the pressure at the tree is p (x, z), Pa."""
     theta, travelled = math.radians(wind["direction_deg"]), wind["convection_speed_m_s"] * t
     c, s, (x, y, z) = math.cos(theta), math.sin(theta), np.transpose(places)

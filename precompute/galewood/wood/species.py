@@ -35,7 +35,7 @@ LEAF_EXPONENT = 1.3
 """Streamlined exponent of a tree in leaf: 2 + Vogel exponent (−0.7), said to be the middle of the range of
 wind-tunnel tests of broad-leaved crowns."""
 BARE_EXPONENT = 2.0
-"""The same of a bare tree, whose wood does not streamline: measured as 1.9 to 2.0 on an oak (``oak drag``)."""
+"""The same of a bare tree: wood does not streamline. Measured on an oak: 1.9 to 2.0 (``oak drag``)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,7 +217,8 @@ SPECIES: dict[str, Wood] = {
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="European oak: E and density green (Wytham); ratios of white oak (WH 5-1, 5-2, "
-            "unchecked), G_LT/E_L of red oak, as white oak has none; load in leaf as U^1.6 to U^1.68 (oak drag)",
+            "unchecked), G_LT/E_L of red oak, as white oak has none; "
+            "load in leaf as U^1.6 to U^1.68 (oak drag)",
             streamlined_exponent=1.64,
         ),
         Wood(

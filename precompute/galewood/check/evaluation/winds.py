@@ -70,9 +70,7 @@ def one_over_f(
     return directed_pressure(speed, rng.uniform(0, 2 * np.pi) + rng.uniform(0.3, 0.7) * wander, exponent)
 
 
-def long_gusts(
-    seed: int, frames: int, window: int, dt_s: float, peak_m_s: float, exponent: float
-) -> Floats:
+def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float, exponent: float) -> Floats:
     """(frames, 2) Pa: the same gusts in every window; the heading turns once around over the run."""
     rng = np.random.default_rng(seed)
     series, wander = (_repeated(noise(rng, window, dt_s, beta), frames) for beta in (5 / 3, 2.0))
@@ -88,7 +86,9 @@ def directed_pressure(
     ``exponent`` is the streamlined exponent of the tree.
     """
     heading = np.broadcast_to(heading_rad, speed_m_s.shape)
-    return dynamic_pressure(speed_m_s, exponent)[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    return dynamic_pressure(speed_m_s, exponent)[:, None] * np.stack(
+        [np.cos(heading), np.sin(heading)], axis=1
+    )
 
 
 def noise(rng: np.random.Generator, period: int, dt_s: float, beta: float) -> Floats:

@@ -28,7 +28,9 @@ TINY_PA = 1e-30
 
 
 @numba.njit(cache=True, nogil=True)
-def add_drag(point, inputs, outputs, rest, exponent, v, pressure, room, total):  # pragma: no cover  (compiled)
+def add_drag(
+    point, inputs, outputs, rest, exponent, v, pressure, room, total
+):  # pragma: no cover  (compiled)
     """Add the drag at the velocities v (d, lanes) in winds of pressure (2, lanes), Pa, to total (d, lanes).
 
     point (m, 2): area, m², and share s; inputs (3m, k) and outputs (d, 3m): Ψ, rows x of all points, then y,

@@ -46,9 +46,9 @@ def no_gusts(exponent: float) -> GustTensors:
 def advance_gusts(tensors, rate, turn, phase, pressure, gusts, state, q):  # pragma: no cover  (compiled)
     """Advance the gust layer of all trees by ``rate`` steps each and write the interpolated poses to q.
 
-    ``tensors`` are step, load, drag (float64) and exponent of ``GustTensors``. ``pressure`` is that at the trees along
-    world x and z, (count,) Pa. gusts (count, 2G) are the relative gusts at each place, along and across that
-    pressure; q (count, L) m. ``phase`` (count,) is that before the step of the modal model, and is not
+    ``tensors`` are step, load, drag (float64) and exponent of ``GustTensors``. ``pressure`` is that at the
+    trees along world x and z, (count,) Pa. gusts (count, 2G) are the relative gusts at each place, along and
+    across that pressure; q (count, L) m. ``phase`` (count,) is that before the step of the modal model, and is not
     changed. ``state`` (count, L) is updated: coordinates, speeds, and the poses of the last two steps.
     """
     step, load, drag, exponent = tensors

@@ -74,13 +74,15 @@ def crown_carried(moment: Moment) -> tuple[float, float, float, float]:
 
 
 @numba.njit(cache=True, nogil=True)
-def write_gusts(field, carried, places, stand, turn, size, pressure, exponent, out):  # pragma: no cover  (compiled)
+def write_gusts(
+    field, carried, places, stand, turn, size, pressure, exponent, out
+):  # pragma: no cover  (compiled)
     """Write the relative pressures of the gusts at places of trees to out (count, 2G).
 
     ``field`` is from ``crown_field``, ``carried`` from ``crown_carried``; places (G, 3) are points of a tree,
-    m; ``stand`` is where the trees stand, x and z (count,) m; turn (count, 2) cosine and sine of the yaw, size
-    (count,) the scale; ``pressure`` is that at the trees along x and z, (count,) Pa; ``exponent`` is their
-    streamlined exponent. ``out`` has two numbers for each place: what the pressure there is in addition to
+    m; ``stand`` is where the trees stand, x and z (count,) m; turn (count, 2) cosine and sine of the yaw,
+    size (count,) the scale; ``pressure`` is that at the trees along x and z, (count,) Pa; ``exponent`` is
+    their streamlined exponent. ``out`` has two numbers for each place: what the pressure there is in addition to
     that at the tree, along it and across it, over its strength.
     """
     c, s, distance, intensity = carried

@@ -119,7 +119,8 @@ class WindField:
     ) -> None:
         """Write the pressure (Pa, world x and z) at each position (m); exactly 0 in still air.
 
-        ``exponent`` is the streamlined exponent of the trees (``dynamic_pressure``). ``height_factor`` is the result of ``pressure.height_factor`` (default: 1 everywhere).
+        ``exponent`` is the streamlined exponent of the trees (``dynamic_pressure``), ``height_factor`` the
+        result of ``pressure.height_factor`` (default: 1 everywhere).
         """
         x, z = np.ascontiguousarray(x_m, np.float64), np.ascontiguousarray(z_m, np.float64)
         velocity_x, velocity_z = self._buffer("work", len(x))

@@ -24,9 +24,7 @@ class DesignWind:
     asked_speed_m_s: float
 
 
-def design_wind(
-    body: Body, speed_m_s: float, height_m: float, dt_s: float, exponent: float
-) -> DesignWind:
+def design_wind(body: Body, speed_m_s: float, height_m: float, dt_s: float, exponent: float) -> DesignWind:
     """The requested speed, reduced until its steady sway in the worse of two directions is acceptable.
 
     ``exponent`` is the streamlined exponent of the body.

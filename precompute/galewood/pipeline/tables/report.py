@@ -31,9 +31,7 @@ class Body:
 def body_of(model: FemModel) -> Body:
     """The description of a finite-element model."""
     identity = {"tetrahedra": len(model.elements), "model_sha256": content_hash(model)}
-    return Body(
-        model.report["frequencies_hz"], model.report["wood"], model.streamlined_exponent, identity
-    )
+    return Body(model.report["frequencies_hz"], model.report["wood"], model.streamlined_exponent, identity)
 
 
 def has_leaves(tree: TreeMesh, options: BuildOptions) -> bool:
