@@ -48,8 +48,8 @@ def advance_gusts(tensors, rate, turn, phase, pressure, gusts, state, q):  # pra
 
     ``tensors`` are step, load, drag (float64) and exponent of ``GustTensors``. ``pressure`` is that at the
     trees along world x and z, (count,) Pa. gusts (count, 2G) are the relative gusts at each place, along and
-    across that pressure; q (count, L) m. ``phase`` (count,) is that before the step of the modal model, and is not
-    changed. ``state`` (count, L) is updated: coordinates, speeds, and the poses of the last two steps.
+    across that pressure; q (count, L) m. ``phase`` (count,) is that before the step of the modal model, and
+    is not changed. ``state`` (count, L) is updated: coordinates, speeds, and the poses of the last two steps.
     """
     step, load, drag, exponent = tensors
     pressure_x, pressure_z = pressure

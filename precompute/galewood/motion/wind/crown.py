@@ -82,8 +82,8 @@ def write_gusts(
     ``field`` is from ``crown_field``, ``carried`` from ``crown_carried``; places (G, 3) are points of a tree,
     m; ``stand`` is where the trees stand, x and z (count,) m; turn (count, 2) cosine and sine of the yaw,
     size (count,) the scale; ``pressure`` is that at the trees along x and z, (count,) Pa; ``exponent`` is
-    their streamlined exponent. ``out`` has two numbers for each place: what the pressure there is in addition to
-    that at the tree, along it and across it, over its strength.
+    their streamlined exponent. ``out`` has two numbers for each place: what the pressure there is in addition
+    to that at the tree, along it and across it, over its strength.
     """
     c, s, distance, intensity = carried
     x_m, z_m = stand
