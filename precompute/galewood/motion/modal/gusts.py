@@ -39,7 +39,7 @@ class GustTensors:
 def no_gusts(exponent: float) -> GustTensors:
     """The tensors of a table without a gust layer, of a tree with this streamlined exponent."""
     shapes = ((0, 3), (0, 6), (0, 0), (0,))
-    return GustTensors(*(np.zeros(shape, np.float32) for shape in shapes), exponent)
+    return GustTensors(*(np.zeros(shape, np.float32) for shape in shapes), streamlined_exponent=exponent)
 
 
 @numba.njit(cache=True, nogil=True)

@@ -35,7 +35,7 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
     nodes = np.flatnonzero(own.exposure.area_m2 > 0)
     if not len(nodes):
         nothing = (np.zeros(shape, np.float32) for shape in ((0, 2), (3, 0, d), (d,)))
-        return DragPoints(*nothing, own.exposure.streamlined_exponent)
+        return DragPoints(*nothing, streamlined_exponent=own.exposure.streamlined_exponent)
     profile = own.exposure.profile[nodes]
     motion = own.shapes.reshape(d, -1, 3)[:, nodes].transpose(1, 2, 0) / profile[:, None, None]
     # A node's force acts on the oscillators by its displacement, not by that over the profile.
@@ -52,7 +52,7 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
         shape[:, j] = mean
         rest += np.einsum("n,nik->k", area[inside], np.square(motion[inside] - mean))
     tensors = (tensor.astype(np.float32) for tensor in (point, shape, rest))
-    return DragPoints(*tensors, own.exposure.streamlined_exponent)
+    return DragPoints(*tensors, streamlined_exponent=own.exposure.streamlined_exponent)
 
 
 def clusters(places: Floats, weight: Floats, count: int) -> Array:

@@ -64,7 +64,8 @@ def gust_modes(body: Oscillators, settings: FemSettings) -> GustModes:
     far = np.sqrt(np.square(motion).sum(axis=2).max(axis=1))
     tensors = (centres, step, own.load * far[:, None], _drag(motion, exposure))
     singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
-    return GustModes(GustTensors(*singles, exposure.streamlined_exponent), own.shapes / far[:, None])
+    layer = GustTensors(*singles, streamlined_exponent=exposure.streamlined_exponent)
+    return GustModes(layer, own.shapes / far[:, None])
 
 
 def gust_range(layer: GustModes, strengths_pa: Sequence[float], dt_s: float) -> list[Floats]:

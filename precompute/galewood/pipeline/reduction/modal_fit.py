@@ -75,7 +75,8 @@ def fit_modal_model(
     relative = step.copy()
     relative[:, [0, 3]] -= 1.0
     tensors = (relative, ritz.load, sway, starts[0], shown, pose, limits, drag.point, drag.shape, drag.rest)
-    first = ModalTensors(*(_single(tensor) for tensor in tensors), drag.streamlined_exponent)
+    singles = (_single(tensor) for tensor in tensors)
+    first = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
     force = fitted_force(first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s)
     return replace(first, force=_single(force))
 

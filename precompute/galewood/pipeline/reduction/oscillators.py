@@ -70,7 +70,7 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     drag, inside = model.drag(), slice(model.vertex_count)
     parts = (values[inside] for values in (drag.exposed_m2, drag.share, drag.profile))
     place_m = (model.nodes_m + model.u_rest)[inside]
-    exposure = Exposure(*parts, model.streamlined_exponent, place_m)
+    exposure = Exposure(*parts, streamlined_exponent=model.streamlined_exponent, place_m=place_m)
     return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
 
 
