@@ -13,10 +13,6 @@ STREAMLINING_SPEED_M_S = 5.0
 """Above this speed the crown reconfigures and its drag grows more slowly than U² [m/s]."""
 STREAMLINING_PRESSURE_PA = 15.0
 """Dynamic pressure at the streamlining speed [Pa]."""
-STREAMLINED_EXPONENT = 1.3
-"""Exponent of the pressure above that speed: 2 + Vogel exponent (−0.7), the middle of the range reported by
-wind-tunnel tests of broad-leaved crowns.
-"""
 PRESSURE_COMPRESSION = 0.25
 """Pressures beyond the sampled range are compressed: 2 times the range to 1.40, 5 times to 1.71."""
 
@@ -323,6 +319,7 @@ TABLE_RANGES: Mapping[str, Any] = {
     "height_m": (0.01, 1000.0),
     "dt_s": (0.0001, 1.0),
     "design_speed_m_s": (0.0, 100.0),
+    "streamlined_exponent": (1.0, 2.0),
     "peak_pressure_pa": (0.0, 1e9),
     "reach_m": (0.0, 10000.0),
 }

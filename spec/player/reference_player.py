@@ -54,6 +54,7 @@ class Tree:
             about, more = read(records)
             self.metadata["paper"], self.t = about["paper"], self.t | more
         self.c, self.s, self.scale, self.dt = math.cos(yaw), math.sin(yaw), scale, self.metadata["dt_s"]
+        self.exponent = self.metadata["streamlined_exponent"]
         self.d, self.layer = len(self.t["modal.step"]), len(self.t["gusts.step"])
         self.fitted = self.metadata["modes"] - self.layer
         self.e, self.v = np.zeros((2, self.d))
@@ -118,10 +119,10 @@ class Tree:
             return 0.0
         inputs = min(self.d, max(8, self.d // 2))
         steady = np.outer([p[0], 0.0, p[1]], share)
-        air = steady * speed_of(share * size(p)) / np.maximum(share * size(p), 1e-30)
+        air = steady * speed_of(share * size(p), self.exponent) / np.maximum(share * size(p), 1e-30)
         relative = air - shape[:, :, :inputs] @ w[:inputs]
         speed = np.maximum(np.linalg.norm(relative, axis=0), 1e-30)
-        kappa = pressure(speed) / speed
+        kappa = pressure(speed, self.exponent) / speed
         force = np.einsum("ijk,ij->k", shape, area * (kappa * relative - steady))
         return force - 4 / 3 * self.t["modal.drag_rest"] * (area @ kappa / area.sum()) * w
 
@@ -130,7 +131,8 @@ class Tree:
         local = (np.outer(gusts[:, 0], p) + np.outer(gusts[:, 1], [-p[1], p[0]])).ravel()
         f = self.t["gusts.load"] @ local if len(local) else np.zeros(self.layer)
         mean = self.gv + 0.5 * (r10 * self.ge + r11 * self.gv + s1 * f)
-        delta = self.t["gusts.drag"] * (size(p) / speed_of(size(p)) if size(p) > 0 else 0.0)
+        kappa = size(p) / speed_of(size(p), self.exponent) if size(p) > 0 else 0.0
+        delta = self.t["gusts.drag"] * kappa
         f = f - delta * mean / (1 + 0.5 * delta * s1)
         e, v = self.ge, self.gv
         self.ge, self.gv = e + r00 * e + r01 * v + s0 * f, v + r10 * e + r11 * v + s1 * f
@@ -192,9 +194,12 @@ def play(tree: Tree, wind: dict[str, Any], velocity: Velocity, x: float, z: floa
     field = crown_field(int(wind["seed"]))
     height = tree.metadata["height_m"] * tree.scale / wind.get("reference_height_m", 12.0)
     faster = height ** wind.get("height_exponent", 0.2)
-    strongest = float(pressure((1 + wind["gustiness"]) * wind["mean_speed_m_s"] * faster))
+    gust, exponent = (1 + wind["gustiness"]) * wind["mean_speed_m_s"] * faster, tree.exponent
+    strongest = float(pressure(gust, exponent))
     for frame in itertools.count(1):
         w = faster * np.asarray(velocity(x, z, frame * dt_s))
-        p = compressed(w * pressure(size(w)) / max(size(w), 1e-30), strongest, tree.t["modal.limits"][2])
-        gusts = crown_gusts(wind, field, tree.places(tree.t["gusts.place"], x, z), p, frame * dt_s)
+        p = w * pressure(size(w), exponent) / max(size(w), 1e-30)
+        p = compressed(p, strongest, tree.t["modal.limits"][2])
+        places = tree.places(tree.t["gusts.place"], x, z)
+        gusts = crown_gusts(wind, field, places, p, frame * dt_s, exponent)
         yield tree.advance(dt_s, p, gusts)

@@ -110,14 +110,14 @@ def travelling(wind: dict[str, Any], gusts: Callable[[float, float, float], Any]
     return velocity
 
 
-def pressure(speed: Any) -> Any:
+def pressure(speed: Any, exponent: float) -> Any:
     """Pressure, Pa, of a speed, m/s."""
-    return np.where(speed <= 5, 0.6 * speed * speed, 15 * (np.maximum(speed, 5) / 5) ** 1.3)
+    return np.where(speed <= 5, 0.6 * speed * speed, 15 * (np.maximum(speed, 5) / 5) ** exponent)
 
 
-def speed_of(pa: Any) -> Any:
+def speed_of(pa: Any, exponent: float) -> Any:
     """Speed, m/s, of a pressure, Pa."""
-    return np.where(pa <= 15, np.sqrt(pa / 0.6), 5 * (np.maximum(pa, 15) / 15) ** (1 / 1.3))
+    return np.where(pa <= 15, np.sqrt(pa / 0.6), 5 * (np.maximum(pa, 15) / 15) ** (1 / exponent))
 
 
 def size(vector: Any) -> float:
@@ -148,7 +148,7 @@ def crown_field(seed: int) -> Any:
     return field / np.sqrt(np.mean(field**2, axis=(0, 1)))
 
 
-def crown_gusts(wind: dict[str, Any], field: Any, places: Any, p: Any, t: float) -> Any:
+def crown_gusts(wind: dict[str, Any], field: Any, places: Any, p: Any, t: float, exponent: float) -> Any:
     """(G, 2): a and b at places (G, 3) of the world, m, where the pressure at the tree is p (x, z), Pa."""
     theta, travelled = math.radians(wind["direction_deg"]), wind["convection_speed_m_s"] * t
     c, s, (x, y, z) = math.cos(theta), math.sin(theta), np.transpose(places)
@@ -162,4 +162,4 @@ def crown_gusts(wind: dict[str, Any], field: Any, places: Any, p: Any, t: float)
     back = (1 - right) * field[(row + 1) % 64, column % 64]
     back = back + right * field[(row + 1) % 64, (column + 1) % 64]
     gusts = np.clip(0.6 * wind["gustiness"] * ((1 - far) * near + far * back), -0.9, 0.9)
-    return gusts * np.array([2.0 if size(p) <= 15 else 1.3, 1.0])
+    return gusts * np.array([2.0 if size(p) <= 15 else exponent, 1.0])

@@ -108,7 +108,7 @@ def test_velocities_and_pressures_are_the_golden_ones() -> None:
         velocity = winds.cosine(row["wind"])
         for i in range(len(row["x_m"])):
             w = velocity(row["x_m"][i], row["z_m"][i], row["time_s"])
-            pressure = w * winds.pressure(winds.size(w)) / max(winds.size(w), 1e-30)
+            pressure = w * winds.pressure(winds.size(w), row["exponent"]) / max(winds.size(w), 1e-30)
             np.testing.assert_allclose(
                 pressure, (row["pressure_x_pa"][i], row["pressure_z_pa"][i]), rtol=1e-6, atol=1e-6
             )
@@ -122,7 +122,7 @@ def test_both_methods_walk_as_the_golden_trees(index: int) -> None:
     field, out, records = WindField(parse_wind(walk["wind"])), np.zeros((2, len(x))), hashlib.sha256()
     worst_mm = 0.0
     for frame in range(FRAMES):
-        field.pressure(x, z, frame * said["frame_s"], out[0], out[1])
+        field.pressure(x, z, frame * said["frame_s"], out[0], out[1], modal[0].exponent)
         acting = np.floor(out.T * said["steps_per_pa"] + 0.5) / said["steps_per_pa"]
         q = [tree.advance(said["frame_s"], p) for tree, p in zip(modal, acting, strict=True)]
         for tree, p in zip(paper, acting, strict=True):
@@ -150,7 +150,8 @@ def test_the_search_eases_and_restarts_as_the_golden_trees(index: int) -> None:
         q = []
         for i, tree in enumerate(trees):
             w = velocity(float(x[i]), float(z[i]), frame * walk["frame_s"])
-            out[:] = np.float32(w * winds.pressure(winds.size(w)) / max(winds.size(w), 1e-30))
+            p = winds.pressure(winds.size(w), tree.exponent)
+            out[:] = np.float32(w * p / max(winds.size(w), 1e-30))
             q.append(tree.advance(walk["frame_s"], out, paper=True))
         assert [tree.record for tree in trees] == records
         if frame % walk["every"] == 0:
@@ -257,7 +258,7 @@ def _searching(rows: Floats, wind: Wind, velocity: Callable[[float, float, float
         for tree, (x, z, _, scale) in zip(trees, rows, strict=True):
             height = tree.metadata["height_m"] * scale / wind.reference_height_m
             w = height**wind.height_exponent * velocity(x, z, frame * FRAME_S)
-            p = w * winds.pressure(winds.size(w)) / max(winds.size(w), 1e-30)
+            p = w * winds.pressure(winds.size(w), tree.exponent) / max(winds.size(w), 1e-30)
             p = p * min(1.0, tree.metadata["peak_pressure_pa"] / max(winds.size(p), 1e-30))
             q.append(tree.advance(FRAME_S, p, paper=True))
         return q

@@ -20,13 +20,14 @@ class Beam:
         self, n: int = 6, height_m: float = 4.0, dt_s: float = 1 / 15, stiffening: float = 0.02
     ) -> None:
         self.n, self.height_m, self.dt_s, self.stiffening = n, height_m, dt_s, 0.02
+        self.streamlined_exponent = 1.64  # not that of most species, so that all languages must read it
         self.rest_m = np.stack([np.zeros(n), height_m * np.arange(1, n + 1) / n, np.zeros(n)], axis=1)
         self.mass_kg = np.linspace(3.0, 1.0, n)
         self.area_m2 = np.linspace(0.02, 0.3, n)
         self.stiffness = _bending(n, height_m / n)
         self.mass = np.repeat(self.mass_kg, 3)
         # The masses are light and their areas large: in air six times as fast, damping is that of a tree.
-        self.drag = Drag(self.area_m2, 2 * self.area_m2, np.full(n, 6.0))
+        self.drag = Drag(self.area_m2, 2 * self.area_m2, np.full(n, 6.0), self.streamlined_exponent)
         self.damping = 0.3 * np.diag(self.mass) + 0.01 * self.stiffness
         self.reset()
 
@@ -36,7 +37,8 @@ class Beam:
         wind[:, 0, 0] = wind[:, 2, 1] = self.area_m2
         squared, modes = scipy.linalg.eigh(self.stiffness, np.diag(self.mass))
         shapes = modes.T
-        exposure = Exposure(self.drag.exposed_m2, self.drag.share, self.drag.profile, self.rest_m)
+        parts = (self.drag.exposed_m2, self.drag.share, self.drag.profile)
+        exposure = Exposure(*parts, self.streamlined_exponent, self.rest_m)
         load = shapes @ wind.reshape(-1, 2)
         return Oscillators(np.sqrt(squared), shapes @ self.damping @ modes, shapes, load, exposure)
 

@@ -62,7 +62,7 @@ def beam_runs(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> l
 
 def beam_winds(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> list[SampleWind]:
     """The winds of the recorded runs."""
-    winds = sample_winds(design_speed_m_s, beam.dt_s, frames)
+    winds = sample_winds(design_speed_m_s, beam.dt_s, beam.streamlined_exponent, frames)
     return [wind for wind in winds if wind.name.startswith((*KINDS, "still"))]
 
 
@@ -108,12 +108,14 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
         "height_m": beam.height_m,
         "dt_s": beam.dt_s,
         "design_speed_m_s": 12.0,
+        "streamlined_exponent": beam.streamlined_exponent,
         "mesh_sha256": "0" * 64,
         "frequencies_hz": [],
         "provenance": {"made_by": "tests/golden/make.py"},
     }
     runs = beam_runs(beam, frames)
-    winds = [shape.at(12.0) for shape in training_shapes(beam.first_hz, beam.dt_s)]
+    shapes = training_shapes(beam.first_hz, beam.dt_s, beam.streamlined_exponent)
+    winds = [shape.at(12.0) for shape in shapes]
     training = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
     training = ModalTraining(beam.oscillators(), scheme(beam), training, sizes=[Size(5, 3, 5)])
     of = TableContext(beam.mass_kg, beam_mesh(beam), description, settings)
@@ -132,10 +134,11 @@ def wind_vectors() -> list[dict[str, object]]:
     out_x, out_z = np.zeros(5, np.float32), np.zeros(5, np.float32)
     rows: list[dict[str, object]] = []
     for wind in WINDS:
-        for time_s in (0.0, 1.25, 3601.5):
-            wind_pressure(wind, x, z, time_s, out_x, out_z)
+        for time_s, exponent in ((0.0, 1.3), (1.25, 1.64), (3601.5, 2.0)):
+            wind_pressure(wind, x, z, time_s, out_x, out_z, exponent)
             rows.append(
-                {"wind": wind.document(), "time_s": time_s, "x_m": x.tolist(), "z_m": z.tolist(),
+                {"wind": wind.document(), "time_s": time_s, "exponent": exponent,
+                 "x_m": x.tolist(), "z_m": z.tolist(),
                  "pressure_x_pa": out_x.tolist(), "pressure_z_pa": out_z.tolist()}
             )  # fmt: skip
     return rows
@@ -154,7 +157,7 @@ def paper_steps(table: Table, easing: float) -> dict[str, Any]:
     poses: list[list[float]] = []
     for frame in range(FRAMES):
         wind = WALK_WINDS[max(first for first in WALK_WINDS if first <= frame)]
-        wind_pressure(wind, x, z, frame / 30, out_x, out_z)
+        wind_pressure(wind, x, z, frame / 30, out_x, out_z, table.streamlined_exponent)
         forest.advance(1 / 30, out_x, out_z)
         records.append(forest.record.tolist())
         if frame % SAVED_EVERY == 0:

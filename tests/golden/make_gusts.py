@@ -58,9 +58,10 @@ def gusts(table: Table) -> list[float]:
     turn = np.column_stack([np.cos(yaw), np.sin(yaw)])
     out = np.zeros((len(x), 2 * len(place)))
     moment = WindField(WINDS[0]).at(7.25)
-    pressure = np.array([0.0, 9.0, 40.0])
+    strength = np.array([0.0, 9.0, 40.0])
+    pressure, exponent = (strength, 0.5 * strength), table.streamlined_exponent
     carried = crown_carried(moment)
-    write_gusts(crown_field(12), carried, place, x, z, turn, size, (pressure, 0.5 * pressure), out)
+    write_gusts(crown_field(12), carried, place, (x, z), turn, size, pressure, exponent, out)
     return out.ravel().tolist()
 
 

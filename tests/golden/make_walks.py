@@ -59,7 +59,7 @@ def step_digests(table: Table, wind: Wind) -> dict[str, Any]:
     poses: list[list[float]] = []
     records = hashlib.sha256()
     for frame in range(FRAMES):
-        field.pressure(x, z, frame * FRAME_S, px, pz)
+        field.pressure(x, z, frame * FRAME_S, px, pz, table.streamlined_exponent)
         acting = rounded(px), rounded(pz)
         paper.advance(FRAME_S, *acting)
         modal.advance(FRAME_S, *acting)

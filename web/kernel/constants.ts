@@ -8,11 +8,6 @@ export const HALF_AIR_DENSITY_KG_M3: f32 = 0.6;
 export const STREAMLINING_SPEED_M_S: f32 = 5;
 /** Dynamic pressure at the streamlining speed [Pa]. */
 export const STREAMLINING_PRESSURE_PA: f32 = 15;
-/**
- * Exponent of the pressure above that speed: 2 + Vogel exponent (−0.7), the middle of the range reported by
- * wind-tunnel tests of broad-leaved crowns.
- */
-export const STREAMLINED_EXPONENT: f32 = 1.3;
 
 // ---- modal model ------------------------------------------------------------------------------------------
 

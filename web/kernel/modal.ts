@@ -10,6 +10,8 @@ import { perSpeeds, shelteredSpeeds } from "./pressure";
 export const constantsEnd: usize = __heap_base;
 /** Half the table's step, s. */
 export let halfStep_s: f32 = 0;
+/** Power of the wind speed with which the pressure grows above 5 m/s. */
+export let exponent: f32 = 2;
 /** Coupled coordinates. */
 export let coupled: i32 = 0;
 /** Bytes of a row of the d oscillators and of one of the r − d further modes, padded to whole vectors. */
@@ -279,11 +281,11 @@ function addDrag(px: f32, pz: f32): void {
     }
     const area = v128.load(dragPoint + j);
     const share = v128.load(dragPoint + side + j);
-    const air = f32x4.mul(shelteredSpeeds(f32x4.mul(share, f32x4.splat(wind))), f32x4.splat(along));
+    const air = f32x4.mul(shelteredSpeeds(f32x4.mul(share, f32x4.splat(wind)), exponent), f32x4.splat(along));
     x = f32x4.sub(f32x4.mul(air, pressureX), x);
     z = f32x4.sub(f32x4.mul(air, pressureZ), z);
     const square = f32x4.add(f32x4.mul(x, x), f32x4.add(f32x4.mul(y, y), f32x4.mul(z, z)));
-    const per = perSpeeds(f32x4.sqrt(square));
+    const per = perSpeeds(f32x4.sqrt(square), exponent);
     mean = f32x4.add(mean, f32x4.mul(per, v128.load(dragPoint + 2 * side + j)));
     const steadyX = f32x4.mul(share, pressureX);
     const steadyZ = f32x4.mul(share, pressureZ);

@@ -17,7 +17,8 @@ class GustLayer:
         """Create ``count`` trees at rest."""
         named = (tensors.place, tensors.step, tensors.load, tensors.drag)
         self._place, *float64_tensors = (np.ascontiguousarray(tensor, np.float64) for tensor in named)
-        self._tensors = tuple(float64_tensors)
+        self._exponent = tensors.streamlined_exponent
+        self._tensors = (*float64_tensors, self._exponent)
         self._gusts = np.zeros((count, 2 * len(self._place)))
         self._state = tuple(np.zeros((count, tensors.oscillators)) for _ in range(4))
 
@@ -48,8 +49,8 @@ class GustLayer:
         """
         moment = field.at(time_s)
         write_gusts(
-            crown_field(moment.crown.seed), crown_carried(moment), self._place, trees.x_m, trees.z_m,
-            trees.turn, trees.size, (pressure_x, pressure_z), self._gusts,
+            crown_field(moment.crown.seed), crown_carried(moment), self._place, (trees.x_m, trees.z_m),
+            trees.turn, trees.size, (pressure_x, pressure_z), self._exponent, self._gusts,
         )  # fmt: skip
         return self._gusts
 

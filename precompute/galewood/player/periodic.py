@@ -71,14 +71,15 @@ def _recorded(table: Table, wind: Wind, count: int) -> _Pressures:
     dt_s, field, place = float(table.metadata["dt_s"]), WindField(wind), np.zeros(1)
     height_m = np.array([float(table.metadata["height_m"])])
     factor = height_factor(height_m, wind.height_exponent, wind.reference_height_m)
-    peak_pa = dynamic_pressure(wind.mean_speed_m_s * (1.0 + wind.gustiness) * factor)
+    exponent = table.streamlined_exponent
+    peak_pa = dynamic_pressure(wind.mean_speed_m_s * (1.0 + wind.gustiness) * factor, exponent)
     forest, layer, ratio = _tree(table), GustLayer(table.gusts, 1), np.zeros(1)
     found = _Pressures(
         np.zeros((count, 1)), np.zeros((count, 1)), np.zeros((count, 1, 2 * len(table.gust_place)))
     )
     for k in range(count):
         now_s, x, z = START_S + k * dt_s, found.x[k], found.z[k]
-        field.pressure(place, place, now_s, x, z, factor)
+        field.pressure(place, place, now_s, x, z, exponent, factor)
         compress_pressure(x, z, peak_pa, float(table.modal_limits[2]), ratio)
         if found.gusts.size:
             found.gusts[k] = layer.gusts_at(field, now_s, forest.stepping(dt_s), x, z)

@@ -46,7 +46,7 @@ class WindDrivenTrees:
         self._x_m, self._z_m = rows[:, 0].astype(np.float64), rows[:, 1].astype(np.float64)
         self._pressure_x, self._pressure_z = np.zeros(count), np.zeros(count)
         self._height_m = float(table.metadata["height_m"]) * rows[:, 3].astype(np.float64)
-        self._most_pa = table.peak_pressure_pa
+        self._most_pa, self._exponent = table.peak_pressure_pa, table.streamlined_exponent
         self._strength: tuple[float, ...] | None = None
         self._height_factor, self._peak_pa = np.ones(count), np.zeros(count)
         self._ratio = np.zeros(count)
@@ -81,7 +81,7 @@ class WindDrivenTrees:
         """Advance by dt_s seconds in the wind at time_s, the end of the step."""
         self._set_strength(field.at(time_s).wind)
         out = (self._pressure_x, self._pressure_z)
-        field.pressure(self._x_m, self._z_m, time_s, *out, self._height_factor)
+        field.pressure(self._x_m, self._z_m, time_s, *out, self._exponent, self._height_factor)
         if self._gusts:
             compress_pressure(*out, self._peak_pa, self._most_pa, self._ratio)
             q = self._forest.q[:, self._gust_modes]
@@ -100,4 +100,5 @@ class WindDrivenTrees:
         self._strength = strength
         exponent, reference_height_m, mean_m_s, gustiness = strength
         self._height_factor = height_factor(self._height_m, exponent, reference_height_m)
-        self._peak_pa = dynamic_pressure(mean_m_s * (1.0 + gustiness) * self._height_factor)
+        gust_m_s = mean_m_s * (1.0 + gustiness) * self._height_factor
+        self._peak_pa = dynamic_pressure(gust_m_s, self._exponent)

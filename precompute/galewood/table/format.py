@@ -95,7 +95,7 @@ class Table:
         return ModalTensors(
             self.modal_step, self.modal_load, self.modal_sway,
             self.modal_force, self.modal_shown, self.modal_pose, self.modal_limits,
-            self.modal_drag_point, self.modal_drag_shape, self.modal_drag_rest,
+            self.modal_drag_point, self.modal_drag_shape, self.modal_drag_rest, self.streamlined_exponent,
         )  # fmt: skip
 
     @property
@@ -103,7 +103,9 @@ class Table:
         """Tensors of the gust layer."""
         from galewood.motion.modal import GustTensors  # loads numba
 
-        return GustTensors(self.gust_place, self.gust_step, self.gust_load, self.gust_drag)
+        return GustTensors(
+            self.gust_place, self.gust_step, self.gust_load, self.gust_drag, self.streamlined_exponent
+        )
 
     @property
     def vertex_node(self) -> npt.NDArray[np.uint16]:
@@ -136,6 +138,11 @@ class Table:
     def peak_pressure_pa(self) -> float:
         """Largest dynamic pressure of the winds that the table was made from, Pa."""
         return float(self.metadata["peak_pressure_pa"])
+
+    @property
+    def streamlined_exponent(self) -> float:
+        """Power of the wind speed with which the pressure on the tree grows above 5 m/s."""
+        return float(self.metadata["streamlined_exponent"])
 
     @property
     def foliage(self) -> Foliage:

@@ -14,6 +14,7 @@ Modulus = Annotated[float, Field(ge=1e8, le=5e10)]
 Density = Annotated[float, Field(ge=100.0, le=1500.0)]
 Damping = Annotated[float, Field(ge=0.001, le=0.5)]
 Drag = Annotated[float, Field(ge=0.05, le=2.0)]
+Exponent = Annotated[float, Field(ge=1.0, le=2.0)]
 
 
 class WoodError(ValueError):
@@ -48,6 +49,10 @@ class WoodDocument(BaseModel):
     damping_ratio: Annotated[Damping | None, Field(description="Damping ratio of the wood.")] = None
     drag_coefficient: Annotated[
         Drag | None, Field(description="Relative to the frontal area of the tree.")
+    ] = None
+    streamlined_exponent: Annotated[
+        Exponent | None,
+        Field(description="Power of the wind speed with which the load grows above 5 m/s, in leaf."),
     ] = None
     source: Annotated[str, Field(max_length=500, description="Source of the data.")] = "the user"
 

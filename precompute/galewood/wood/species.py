@@ -13,6 +13,7 @@ Sources, by the tag in each entry:
 - ``AHEC``: American Hardwood Information Center, black cherry, green: 1.31 million psi.
 - ``Wytham``: the wood of the measured trees of Wytham Woods (Jackson and others, doi
   10.1016/j.agrformet.2018.11.014), quoted from a compilation; unchecked.
+- ``oak drag``: wind drag of an open-grown oak through the seasons (doi 10.1093/aob/cpz026, abstract).
 - ``WH21``: the 2021 edition, FPL-GTR-282, tables 4-1 (moisture of green wood) and 5-3a (static bending), from
   a transcript of the rows for white ash and white oak.
 
@@ -30,10 +31,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+LEAF_EXPONENT = 1.3
+"""Streamlined exponent of a tree in leaf: 2 + Vogel exponent (−0.7), said to be the middle of the range of
+wind-tunnel tests of broad-leaved crowns."""
+BARE_EXPONENT = 2.0
+"""The same of a bare tree: wood does not streamline. Measured on an oak: 1.9 to 2.0 (``oak drag``)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Wood:
-    """Elastic and inertial constants of green wood; ratios are relative to the longitudinal modulus."""
+    """Elastic and inertial constants of green wood; ratios are relative to the longitudinal modulus.
+
+    ``streamlined_exponent`` is that of a tree in leaf: its wind load grows with this power of the wind speed
+    above 5 m/s. Bare trees have ``BARE_EXPONENT``.
+    """
 
     name: str
     young_longitudinal_pa: float
@@ -47,6 +58,7 @@ class Wood:
     damping_ratio: float
     drag_coefficient: float
     source: str
+    streamlined_exponent: float = LEAF_EXPONENT
 
     def __post_init__(self) -> None:
         positive = (
@@ -61,6 +73,8 @@ class Wood:
             raise ValueError(f"{self.name}: moduli, ratios and density must be positive and finite")
         if not 0 < self.damping_ratio < 1:
             raise ValueError(f"{self.name}: the damping ratio must lie between 0 and 1")
+        if not 1 <= self.streamlined_exponent <= 2:
+            raise ValueError(f"{self.name}: the streamlined exponent must lie between 1 and 2")
         if not self.is_stable():
             raise ValueError(f"{self.name}: the wood is unstable with these Poisson's ratios")
 
@@ -203,7 +217,9 @@ SPECIES: dict[str, Wood] = {
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="European oak: E and density green (Wytham); ratios of white oak (WH 5-1, 5-2, "
-            "unchecked), G_LT/E_L of red oak, as white oak has none",
+            "unchecked), G_LT/E_L of red oak, as white oak has none; "
+            "load in leaf as U^1.6 to U^1.68 (oak drag)",
+            streamlined_exponent=1.64,
         ),
         Wood(
             name="sycamore",

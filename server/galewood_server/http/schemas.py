@@ -129,7 +129,7 @@ class TableList(PageOut):
 
 
 class WoodSpeciesOut(BaseModel):
-    """A wood species: Young's modulus along the fibre, density, damping ratio and drag coefficient."""
+    """A wood species: Young's modulus along the fibre, density, damping, drag and streamlining in leaf."""
 
     id: str
     name: str
@@ -137,6 +137,7 @@ class WoodSpeciesOut(BaseModel):
     density_kg_m3: float
     damping_ratio: float
     drag_coefficient: float
+    streamlined_exponent: float
     source: str
 
 

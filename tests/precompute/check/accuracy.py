@@ -60,7 +60,9 @@ def winds_of(built: Built, strength: float, seed: int = SEED) -> dict[str, np.nd
     """Every unseen wind (T, 2) Pa; those that continue have half a run of lead-in."""
     metadata = built.table.metadata
     speed_m_s, dt_s = float(metadata["design_speed_m_s"]), float(metadata["dt_s"])
-    return unseen_winds(speed_m_s, FRAMES, dt_s, strength=strength, seed=seed)
+    return unseen_winds(
+        speed_m_s, FRAMES, dt_s, built.table.streamlined_exponent, strength=strength, seed=seed
+    )
 
 
 def accuracy(

@@ -114,8 +114,8 @@ def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
 
 
 def test_winds_have_the_given_strength_and_depend_on_the_seed() -> None:
-    first, second = (unseen_winds(10.0, 300, 1 / 30, strength=0.65, seed=seed) for seed in (1, 2))
-    top = 15.0 * (6.5 / 5.0) ** 1.3
+    first, second = (unseen_winds(10.0, 300, 1 / 30, 1.64, strength=0.65, seed=seed) for seed in (1, 2))
+    top = 15.0 * (6.5 / 5.0) ** 1.64
     for name, pressure in first.items():
         assert 0.3 * top < np.linalg.norm(pressure, axis=1).max() <= top * 1.0001, name
     assert not np.allclose(first["perlin"], second["perlin"])
@@ -124,7 +124,7 @@ def test_winds_have_the_given_strength_and_depend_on_the_seed() -> None:
 
 @pytest.mark.parametrize("name", ["new-period-and-amplitude", "between-directions", "perlin", "one-over-f"])
 def test_continuing_winds_repeat_three_times_without_a_seam(name: str) -> None:
-    wind = unseen_winds(12.0, 600, 1 / 30, strength=0.65, seed=605)[name]
+    wind = unseen_winds(12.0, 600, 1 / 30, 1.3, strength=0.65, seed=605)[name]
     assert len(wind) == 900
     assert np.allclose(wind[300:], wind[:-300], atol=1e-9)
     steps = np.linalg.norm(np.diff(wind, axis=0), axis=1)
@@ -151,7 +151,7 @@ def test_noise_has_unit_variance_and_no_seam() -> None:
 
 
 def test_long_gusts_are_equal_in_every_window() -> None:
-    wind = long_gusts(607, 3000, 500, 1 / 30, 15.0)
+    wind = long_gusts(607, 3000, 500, 1 / 30, 15.0, 1.3)
     strength = np.linalg.norm(wind, axis=1).reshape(6, 500)
     assert np.allclose(strength, strength[0])
     assert np.linalg.norm(wind[0] - wind[1500]) > 0.1 * strength.max()

@@ -25,7 +25,8 @@ def source(mass_kg: float = 1.0, mode: float = 1.0, strain_m: float | None = Non
     arrays = dict.fromkeys(MODEL_ARRAYS, np.zeros(3)) | {"mass_kg": np.full(3, mass_kg)}
     absent = dict.fromkeys(("exposed_area_m2", "wind_profile", "foundation_n_m"))
     strain = None if strain_m is None else np.full((1, 4, 3), strain_m)
-    model = SimpleNamespace(alpha=0.1, beta=0.01, settings="settings", strain_m=strain, **arrays, **absent)
+    numbers = {"alpha": 0.1, "beta": 0.01, "streamlined_exponent": 1.3}
+    model = SimpleNamespace(settings="settings", strain_m=strain, **numbers, **arrays, **absent)
     return cast(
         Source, SimpleNamespace(model=model, subspace=SimpleNamespace(basis=np.full((3, 3, 1), mode)))
     )

@@ -93,6 +93,7 @@ def test_the_model_has_the_frequencies_of_the_table(
     leaves_kg = table.report["foliage"]["leaf_mass_kg"]
     assert leaves_kg > 0 and bare.mass_kg == pytest.approx(model.mass_kg - leaves_kg)
     assert bare.frequencies_hz[0] > 0.99 * model.frequencies_hz[0]
+    assert (model.fem.streamlined_exponent, bare.fem.streamlined_exponent) == (1.3, 2.0)
 
 
 def test_a_table_is_the_same_after_saving_and_loading(table: galewood.MotionTable, tmp_path: Path) -> None:
@@ -149,7 +150,8 @@ def test_a_lone_upright_tree_follows_the_modal_model(table: galewood.MotionTable
     field, pressure = WindField(wind), np.zeros((2, 1))
     for frame in range(60):
         forest.step(dt_s)
-        field.pressure(np.zeros(1), np.zeros(1), (frame + 1) * dt_s, pressure[0], pressure[1])
+        time_s, exponent = (frame + 1) * dt_s, table.table.streamlined_exponent
+        field.pressure(np.zeros(1), np.zeros(1), time_s, pressure[0], pressure[1], exponent)
         twin.advance(dt_s, pressure[0].astype(np.float32), pressure[1].astype(np.float32))
     np.testing.assert_allclose(forest.modal_coordinates(0), twin.q[0], atol=1e-7)
 

@@ -46,7 +46,7 @@ def felt(state: WindState, time_s: float) -> Floats:
     turn, ones = np.tile([0.6, 0.8], (len(X_M), 1)), np.ones(len(X_M))
     field_of = crown_field(moment.crown.seed)
     pressure = (9 * ones, 0 * ones)
-    write_gusts(field_of, crown_carried(moment), PLACES_M, X_M, Z_M, turn, ones, pressure, gusts)
+    write_gusts(field_of, crown_carried(moment), PLACES_M, (X_M, Z_M), turn, ones, pressure, 1.3, gusts)
     return np.concatenate([velocity.ravel(), gusts.ravel()])
 
 

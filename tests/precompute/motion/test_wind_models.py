@@ -36,6 +36,7 @@ from galewood.motion.wind.evaluation import (
 from galewood.motion.wind.models.cosine import cos_turns
 from galewood.motion.wind.models.fourier import roots_of_unity, transform_columns, transform_rows
 from galewood.motion.wind.models.perlin import SLOPES, noise, permutation
+from galewood.motion.wind.pressure import pressure_per_speed, speed_of_pressure
 from galewood.motion.wind.recording import EMPTY_RECORDING
 from galewood.motion.wind.schema import wind_schema
 
@@ -144,7 +145,7 @@ def test_noise_variance_equals_its_integral() -> None:
 @pytest.mark.parametrize("model", WIND_MODELS)
 def test_still_air_has_zero_pressure(model: str) -> None:
     out = np.ones((2, len(X)), np.float32)
-    wind_pressure(Wind(mean_speed_m_s=0.0, model=model), X, Z, 77.0, out[0], out[1])
+    wind_pressure(Wind(mean_speed_m_s=0.0, model=model), X, Z, 77.0, out[0], out[1], 1.3)
     assert not out.any()
 
 
@@ -152,17 +153,31 @@ def test_pressure_is_the_dynamic_pressure_along_the_heading() -> None:
     wind = Wind(14.0, 200.0, 0.8, model="spectral")
     speed, heading = wind_speed(wind, X, Z, 9.0)
     out = np.zeros((2, len(X)))
-    wind_pressure(wind, X, Z, 9.0, out[0], out[1])
-    pressure = dynamic_pressure(speed)
+    wind_pressure(wind, X, Z, 9.0, out[0], out[1], 1.64)
+    pressure = dynamic_pressure(speed, 1.64)
     np.testing.assert_allclose(out, [pressure * np.cos(heading), pressure * np.sin(heading)], rtol=1e-12)
 
 
-def test_streamlining_starts_continuously() -> None:
-    below, above = dynamic_pressure([5.0 - 1e-9, 5.0 + 1e-9])
-    assert below == pytest.approx(15.0, abs=1e-7)
-    assert above == pytest.approx(15.0, abs=1e-7)
-    ratio = dynamic_pressure([20.0])[0] / dynamic_pressure([10.0])[0]
-    assert ratio == pytest.approx(2.0**1.3)
+@pytest.mark.parametrize("exponent", [1.3, 1.64, 2.0])
+def test_the_pressure_is_a_parabola_up_to_5_m_s_and_a_power_above(exponent: float) -> None:
+    slow, fast = np.linspace(0.0, 5.0, 21), np.linspace(5.0, 60.0, 23)
+    np.testing.assert_allclose(dynamic_pressure(slow, exponent), 0.6 * slow**2, rtol=1e-14)
+    np.testing.assert_allclose(dynamic_pressure(fast, exponent), 15.0 * (fast / 5.0) ** exponent, rtol=1e-14)
+    below, above = dynamic_pressure([5.0 - 1e-9, 5.0 + 1e-9], exponent)
+    assert below == pytest.approx(15.0, abs=1e-7) and above == pytest.approx(15.0, abs=1e-7)
+    for speed_m_s in [*slow, *fast]:
+        pressure_pa = float(dynamic_pressure(speed_m_s, exponent))
+        assert speed_of_pressure(pressure_pa, exponent) == pytest.approx(speed_m_s, rel=1e-12)
+        per_speed, growth = pressure_per_speed(speed_m_s, exponent)
+        assert per_speed * speed_m_s == pytest.approx(pressure_pa, rel=1e-12)
+        assert growth == (2.0 if speed_m_s <= 5.0 else exponent)
+
+
+def test_the_exponent_2_is_one_parabola() -> None:
+    speed = np.linspace(0.0, 80.0, 161)
+    np.testing.assert_allclose(dynamic_pressure(speed, 2.0), 0.6 * speed**2, rtol=1e-14)
+    # a bare tree in a gale of 30 m/s: 3.5 times the load by the exponent 1.3
+    assert dynamic_pressure(30.0, 2.0) / dynamic_pressure(30.0, 1.3) == pytest.approx(6.0**0.7)
 
 
 def test_height_factor_tree_frame_and_coverage() -> None:
@@ -261,9 +276,9 @@ def test_benchmark_covers_every_model() -> None:
 def test_groups_of_trees_can_be_evaluated_separately() -> None:
     field = WindField(Wind(model="perlin", direction_deg=20.0))
     whole, parts = np.zeros((2, 41)), np.zeros((2, 41))
-    field.pressure(X, Z, 4.0, whole[0], whole[1])
+    field.pressure(X, Z, 4.0, whole[0], whole[1], 1.3)
     for part in (slice(0, 11), slice(11, 41)):
-        field.pressure(X[part], Z[part], 4.0, parts[0, part], parts[1, part])
+        field.pressure(X[part], Z[part], 4.0, parts[0, part], parts[1, part], 1.3)
     np.testing.assert_array_equal(whole, parts)
 
 

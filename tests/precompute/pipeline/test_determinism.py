@@ -25,12 +25,14 @@ def digest() -> str:
     model = build_model(one.mesh, one.skeleton, one.wood, one.lumped, FemSettings())
     simulator = Simulator(model)
     dt_s = model.settings.dt_s
-    speed_m_s = design_wind(simulator, 18.0, one.tree.height_m, dt_s).speed_m_s
+    exponent = model.streamlined_exponent
+    speed_m_s = design_wind(simulator, 18.0, one.tree.height_m, dt_s, exponent).speed_m_s
     points = one.mesh.tets[sampled_elements(one.mesh, one.skeleton, 35)].ravel()
     found = hashlib.sha256()
     for part in (model.blocks, model.mass_kg, model.u_rest, model.prestress):
         found.update(part.tobytes())
-    for wind in (sample_winds(speed_m_s, dt_s, FRAMES)[5], training_shapes(1.0, dt_s)[0].at(speed_m_s)):
+    sampled = sample_winds(speed_m_s, dt_s, exponent, FRAMES)[5]
+    for wind in (sampled, training_shapes(1.0, dt_s, exponent)[0].at(speed_m_s)):
         run = sample_trajectory(simulator, wind, points, dt_s)
         for part in (run.displacement_m, run.velocity, run.force, run.stiffness):
             found.update(part.tobytes())

@@ -11,7 +11,7 @@ from galewood.io.cli.commands import app
 from galewood.options import BuildRequest, ImportRequest
 from galewood.pipeline.stages.kernel_compilation import small_tree_obj
 from galewood.pipeline.tables import BuildOptions, expected_motion, motion_lines
-from galewood.pipeline.tables.expected import length_words, steady_sway_m
+from galewood.pipeline.tables.expected import length_words
 from galewood.pipeline.tables.stiffness import Goal, goal_of, scaled_to
 from galewood.solid.model import beam_model, typical_frequency_hz
 from galewood.tree import TreeMesh
@@ -102,7 +102,7 @@ def test_sway_and_frequency_lead_to_the_same_stiffness(tree: TreeMesh) -> None:
     by_sway = goal_of(tree, WOOD, BuildOptions(sway=0.05))
     assert by_sway is not None
     scaled = beam_model(tree, WOOD.scaled(by_sway.factor))
-    assert steady_sway_m(scaled, 18.0) == pytest.approx(0.05 * tree.height_m, rel=1e-6)
+    assert scaled.steady_sway_m(18.0) == pytest.approx(0.05 * tree.height_m, rel=1e-6)
     by_frequency = goal_of(tree, WOOD, BuildOptions(first_frequency_hz=by_sway.frequency_hz))
     assert by_frequency is not None
     assert by_frequency.factor == pytest.approx(by_sway.factor, rel=1e-6)

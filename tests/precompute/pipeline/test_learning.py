@@ -17,7 +17,8 @@ FEW, MORE = Size(2, 0, 6), Size(5, 3, 6)
 
 
 def training_runs(beam: Beam, design_speed_m_s: float) -> list[SampledRun]:
-    winds = [shape.at(design_speed_m_s) for shape in training_shapes(beam.first_hz, beam.dt_s)[::3]]
+    shapes = training_shapes(beam.first_hz, beam.dt_s, beam.streamlined_exponent)
+    winds = [shape.at(design_speed_m_s) for shape in shapes[::3]]
     return [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
 
 

@@ -239,6 +239,7 @@ def test_a_tree_also_gets_a_table_without_its_leaves(mesh: bytes, built: Built) 
     assert [result.records for result in complete] == [None, both.records], "records do not wait for it"
     leaf, bare = decode(both.table), decode(alone.table)
     assert (leaf.foliage, bare.foliage) == ("leaf", "bare")
+    assert (leaf.streamlined_exponent, bare.streamlined_exponent) == (1.3, 2.0)
     assert bare.metadata["mesh_sha256"] == leaf.metadata["mesh_sha256"]
     assert bare.metadata["primitives"] == leaf.metadata["primitives"]
     assert len(bare.vertex_node) == len(leaf.vertex_node)
@@ -256,3 +257,4 @@ def test_the_table_of_a_mesh_without_leaves_is_bare(built: Built) -> None:
     options = UNCOMPARED.model_copy(update={"bare_table": True, "paper": False})
     wooden = build_table(glb_bytes(y_tree()), "tree.glb", options, in_this_process, cache_dir=built.cache)
     assert decode(wooden.table).foliage == "bare" and wooden.bare_table is None
+    assert decode(wooden.table).streamlined_exponent == 2.0

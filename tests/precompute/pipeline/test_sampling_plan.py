@@ -22,14 +22,14 @@ def samples(tmp_path: Path) -> Samples:
     winds = training()
     default, paper, further = (
         [task(wind, tmp_path) for wind in some]
-        for some in (winds.default, sample_winds(12.0, 1 / 30), winds.further)
+        for some in (winds.default, sample_winds(12.0, 1 / 30, 1.3), winds.further)
     )
     return Samples(default, paper, further)
 
 
 def training() -> TrainingWinds:
     """Training winds whose speed is proportional to the sway that they shall cause."""
-    shapes = training_shapes(0.6, 1 / 30, count=WIND_COUNT + FURTHER_WINDS)
+    shapes = training_shapes(0.6, 1 / 30, 1.3, count=WIND_COUNT + FURTHER_WINDS)
     winds = [shape.at(100 * shape.sway_share) for shape in shapes]
     return TrainingWinds(winds[:WIND_COUNT], winds[WIND_COUNT:])
 

@@ -48,13 +48,14 @@ def test_the_gusts_are_carried_with_the_wind_and_reach_the_top_first() -> None:
     c, s = np.cos(heading), np.sin(heading)
     here, there, above = (np.zeros((1, 10)) for _ in range(3))
     field, push = crown_field(seed), (ONE * 9.0, NOTHING)
-    write_gusts(field, (c, s, distance, 0.3), place, ONE, ONE, AHEAD, ONE, push, here)
-    write_gusts(field, (c, s, distance + 5.0, 0.3), place, ONE + 5 * c, ONE + 5 * s, AHEAD, ONE, push, there)
+    write_gusts(field, (c, s, distance, 0.3), place, (ONE, ONE), AHEAD, ONE, push, 1.3, here)
+    on = (ONE + 5 * c, ONE + 5 * s)
+    write_gusts(field, (c, s, distance + 5.0, 0.3), place, on, AHEAD, ONE, push, 1.3, there)
     assert np.allclose(here, there)
     # 1 m higher the same gust was 0.6 m ago; across the wind the field is shifted by 0.8 m
     raised = place + np.array([0.0, 1.0, 0.0])
-    x, z = ONE + 0.8 * s, ONE - 0.8 * c
-    write_gusts(field, (c, s, distance - 0.6, 0.3), raised, x, z, AHEAD, ONE, push, above)
+    beside = (ONE + 0.8 * s, ONE - 0.8 * c)
+    write_gusts(field, (c, s, distance - 0.6, 0.3), raised, beside, AHEAD, ONE, push, 1.3, above)
     assert np.allclose(here, above)
 
 
@@ -65,10 +66,10 @@ def test_gusts_turn_and_grow_with_the_tree() -> None:
     yaw, size = 0.9, 1.4
     turn = np.array([[np.cos(yaw), np.sin(yaw)]])
     push = (ONE * 30.0, ONE * 4.0)
-    write_gusts(field, carried, place, ONE * 6, ONE * 2, turn, ONE * size, push, placed)
+    write_gusts(field, carried, place, (ONE * 6, ONE * 2), turn, ONE * size, push, 1.3, placed)
     cos, sin = turn[0]
     world = size * np.array([[cos * 2.0 - sin, 3.0, -cos - sin * 2.0]]) + [[6.0, 0.0, 2.0]]
-    write_gusts(field, carried, world, NOTHING, NOTHING, AHEAD, ONE, push, whole)
+    write_gusts(field, carried, world, (NOTHING, NOTHING), AHEAD, ONE, push, 1.3, whole)
     assert np.allclose(placed, whole)
 
 
@@ -78,7 +79,8 @@ def test_cosine_winds_and_still_air_have_no_gusts(model: str) -> None:
     out, place = np.ones((1, 4)), np.zeros((2, 3))
     for pressure in (0.0, 5.0):
         carried = crown_carried(WindField(wind).at(3.0))
-        write_gusts(crown_field(1), carried, place, ONE, ONE, AHEAD, ONE, (ONE * pressure, NOTHING), out)
+        push = (ONE * pressure, NOTHING)
+        write_gusts(crown_field(1), carried, place, (ONE, ONE), AHEAD, ONE, push, 1.3, out)
         assert bool(out.any()) == (model != "cosine" and pressure > 0)
 
 
@@ -100,7 +102,7 @@ def test_without_drag_the_layer_is_an_exact_linear_system() -> None:
     for _ in range(200):
         relative, push = rng.normal(size=(1, 6)), rng.uniform(1, 40, 2)
         pressure = (push[:1], push[1:])
-        advance_gusts((row, load, NOTHING), ONE, AHEAD, NOTHING, pressure, relative, state, q)
+        advance_gusts((row, load, NOTHING, 1.3), ONE, AHEAD, NOTHING, pressure, relative, state, q)
         a, b = relative[0, ::2], relative[0, 1::2]
         local = np.stack([a * push[0] - b * push[1], a * push[1] + b * push[0]], axis=1).ravel()
         exact = step @ exact + gain * float(load[0] @ local)
@@ -111,9 +113,9 @@ def test_the_drag_of_equal_pressures_at_all_nodes_is_that_of_one_pressure() -> N
     beam = Beam()
     velocity = np.random.default_rng(2).normal(size=(beam.n, 3))
     pressure = np.array([12.0, -7.0])
-    one = Drag(beam.area_m2, 2 * beam.area_m2, None).at(velocity, pressure)
+    one = Drag(beam.area_m2, 2 * beam.area_m2, None, 1.3).at(velocity, pressure)
     force, damping = one.force_n.copy(), one.damping.copy()
-    each = Drag(beam.area_m2, 2 * beam.area_m2, None).at(velocity, np.tile(pressure, (beam.n, 1)))
+    each = Drag(beam.area_m2, 2 * beam.area_m2, None, 1.3).at(velocity, np.tile(pressure, (beam.n, 1)))
     assert np.array_equal(force, each.force_n) and np.array_equal(damping, each.damping)
 
 
@@ -128,7 +130,7 @@ def test_the_layer_follows_the_nonlinear_system_under_the_same_gusts() -> None:
     assert len(place) == beam.n and len(step) == OSCILLATOR_COUNT
     order = [int(np.argmin(np.abs(beam.rest_m[:, 1] - y))) for y in place[:, 1]]
     assert sorted(order) == list(range(beam.n))
-    frames, mean = 300, np.array([8.0, 0.0])
+    frames, mean, exponent = 300, np.array([8.0, 0.0]), beam.streamlined_exponent
     field, calm, gusty = crown_field(4), Beam(), Beam()
     state = tuple(np.zeros((1, len(step))) for _ in range(4))
     q, relative = np.zeros((1, len(step)), np.float32), np.zeros((1, 2 * beam.n))
@@ -137,8 +139,8 @@ def test_the_layer_follows_the_nonlinear_system_under_the_same_gusts() -> None:
     for frame in range(frames):
         carried = (1.0, 0.0, 4.0 * frame * beam.dt_s, 0.15)
         push = (ONE * mean[0], NOTHING)
-        write_gusts(field, carried, place, NOTHING, NOTHING, AHEAD, ONE, push, relative)
-        advance_gusts((step, load, drag), ONE, AHEAD, NOTHING, push, relative, state, q)
+        write_gusts(field, carried, place, (NOTHING, NOTHING), AHEAD, ONE, push, exponent, relative)
+        advance_gusts((step, load, drag, exponent), ONE, AHEAD, NOTHING, push, relative, state, q)
         local = np.zeros((beam.n, 2))
         local[order] = mean[0] * relative.reshape(-1, 2)
         calm.step(mean)

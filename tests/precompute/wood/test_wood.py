@@ -15,6 +15,7 @@ def test_every_species_is_stable_green_wood(name: str) -> None:
     assert wood.young_transverse_pa < 0.2 * wood.young_longitudinal_pa
     assert 500 < wood.density_kg_m3 < 1200
     assert 0.02 <= wood.damping_ratio <= 0.05
+    assert wood.streamlined_exponent == (1.64 if name == "oak" else 1.3)
     assert wood.source
 
 
@@ -34,6 +35,7 @@ def test_unknown_species_error_lists_the_known_ones() -> None:
         {"density_kg_m3": float("nan")},
         {"damping_ratio": 1.0},
         {"poisson_transverse": 1.2},
+        {"streamlined_exponent": 2.1},
     ],
 )
 def test_impossible_wood_is_rejected(change: dict[str, float]) -> None:

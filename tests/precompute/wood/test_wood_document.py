@@ -25,6 +25,7 @@ def test_omitted_fields_come_from_the_base_species():
         ("young_longitudinal_pa", 7.0, "greater"),
         ("density_kg_m3", 1e9, "less"),
         ("damping_ratio", "much", "number"),
+        ("streamlined_exponent", 0.9, "greater"),
         ("radial_ratio", True, "number"),
         ("stiffness", 1.0, "Extra"),
         ("name", "", "character"),

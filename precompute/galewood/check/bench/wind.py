@@ -9,6 +9,7 @@ import numpy as np
 
 from galewood.constants import TICK_HZ, WIND_MODELS
 from galewood.motion.wind import Wind, WindField
+from galewood.wood import LEAF_EXPONENT
 
 FRAME_S = 1.0 / TICK_HZ
 
@@ -28,7 +29,7 @@ def _bench_model(model: str, trees: int, frames: int) -> dict[str, float]:
     taken_ms: list[float] = []
     for frame in range(frames + 1):
         start = time.perf_counter()
-        field.pressure(x, z, frame * FRAME_S, out[0], out[1])
+        field.pressure(x, z, frame * FRAME_S, out[0], out[1], LEAF_EXPONENT)
         taken_ms.append(1e3 * (time.perf_counter() - start))
     prepare_ms, *rest = taken_ms
     return {"median_ms": float(np.median(rest)), "worst_ms": max(rest), "prepare_ms": prepare_ms}

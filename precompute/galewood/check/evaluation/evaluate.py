@@ -115,8 +115,9 @@ def _winds(table: Table, options: EvaluationOptions) -> dict[str, Floats]:
     first_hz = next(iter(table.metadata.get("frequencies_hz") or ()), None)
     strength = options.strength if options.sway is None else 0.9
     return unseen_winds(
-        speed_m_s, options.frames, dt_s, strength=strength, seed=options.seed, first_hz=first_hz
-    )
+        speed_m_s, options.frames, dt_s, table.streamlined_exponent,
+        strength=strength, seed=options.seed, first_hz=first_hz,
+    )  # fmt: skip
 
 
 def reference_tasks(

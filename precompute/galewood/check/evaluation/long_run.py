@@ -86,13 +86,14 @@ def source_hash(packages: Sequence[str]) -> str:
 def _wind(table: Table, source: Source, cache_dir: Path, frames: int, sway: float, seed: int) -> Floats:
     """(frames, 2) Pa: the gusts, scaled so that their first window sways the tree as requested."""
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
-    wind = long_gusts(seed, frames, min(WINDOW_FRAMES, frames), dt_s, 0.8 * speed_m_s)
-    first = wind[: min(WINDOW_FRAMES, frames)]
+    exponent, window = table.streamlined_exponent, min(WINDOW_FRAMES, frames)
+    wind = long_gusts(seed, frames, window, dt_s, 0.8 * speed_m_s, exponent)
+    first = wind[:window]
     task = ReferenceTask(
         source.model_path,
         first,
         sway * float(table.metadata["height_m"]),
-        float(dynamic_pressure(speed_m_s)),
+        float(dynamic_pressure(speed_m_s, exponent)),
     )
     scaled = read_reference_run(run_references([task], cache_dir, lambda done: None)[0]).pressure_pa
     return wind * (np.linalg.norm(scaled, axis=1).max() / np.linalg.norm(first, axis=1).max())

@@ -97,14 +97,15 @@ def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Flo
     The tree's height enters the wind profile, and the pressure is limited to the sampled peak.
     """
     field, dt_s = WindField(wind), float(table.metadata["dt_s"])
-    peak_pa, height_m = table.peak_pressure_pa, np.array([float(table.metadata["height_m"])])
+    peak_pa, exponent = table.peak_pressure_pa, table.streamlined_exponent
+    height_m = np.array([float(table.metadata["height_m"])])
     x_m, z_m = np.array([place.x_m]), np.array([place.z_m])
     world = np.zeros((2, frames, 1), np.float32)
     for frame in range(frames):
         time_s = place.start_s + (frame + 1) * dt_s
         now = field.at(time_s).wind
         factor = height_factor(height_m, now.height_exponent, now.reference_height_m)
-        field.pressure(x_m, z_m, time_s, world[0, frame], world[1, frame], factor)
+        field.pressure(x_m, z_m, time_s, world[0, frame], world[1, frame], exponent, factor)
         limit_pressure(world[0, frame], world[1, frame], peak_pa)
     own = to_tree_frame(world[0, :, 0].astype(np.float64), world[1, :, 0].astype(np.float64), place.yaw_rad)
     return np.stack(own, axis=1)

@@ -24,6 +24,7 @@ def unseen_winds(
     design_speed_m_s: float,
     frames: int,
     dt_s: float,
+    exponent: float,
     *,
     strength: float,
     seed: int,
@@ -31,6 +32,7 @@ def unseen_winds(
 ) -> dict[str, Floats]:
     """Winds by name: pressures (frames, 2) Pa that peak at ``strength`` times the design speed.
 
+    ``exponent`` is the streamlined exponent of the tree.
     Continuing winds are longer by their lead-in of half a run. The seed sets phases, periods and headings.
     With the tree's first natural frequency, a square wave of that frequency is one of them.
     """
@@ -45,39 +47,48 @@ def unseen_winds(
     smooth_heading = rng.uniform(0, 2 * np.pi) + 0.4 * turning
     gust = peak * np.sin(np.pi * np.clip((t[:once] - 0.5) / (GUST_END_S - 0.5), 0, 1)) ** 2
     winds = {
-        "new-period-and-amplitude": directed_pressure(cosine, rng.uniform(0, 2 * np.pi)),
-        "between-directions": directed_pressure(between, np.pi / 6),
-        "perlin": directed_pressure(smooth, smooth_heading),
-        "one-over-f": one_over_f(rng, frames, half, dt_s, peak),
-        "step": directed_pressure(0.85 * peak * (t[:once] > 1.0), rng.uniform(0, 2 * np.pi)),
-        "gust-then-still": directed_pressure(gust, rng.uniform(0, 2 * np.pi)),
+        "new-period-and-amplitude": directed_pressure(cosine, rng.uniform(0, 2 * np.pi), exponent),
+        "between-directions": directed_pressure(between, np.pi / 6, exponent),
+        "perlin": directed_pressure(smooth, smooth_heading, exponent),
+        "one-over-f": one_over_f(rng, frames, half, dt_s, peak, exponent),
+        "step": directed_pressure(0.85 * peak * (t[:once] > 1.0), rng.uniform(0, 2 * np.pi), exponent),
+        "gust-then-still": directed_pressure(gust, rng.uniform(0, 2 * np.pi), exponent),
     }
     if first_hz:
         square = peak * (np.sin(2 * np.pi * first_hz * t[:once]) > 0)
-        winds["square-at-first-frequency"] = directed_pressure(square, rng.uniform(0, 2 * np.pi))
+        winds["square-at-first-frequency"] = directed_pressure(square, rng.uniform(0, 2 * np.pi), exponent)
     return winds
 
 
-def one_over_f(rng: np.random.Generator, frames: int, period: int, dt_s: float, peak_m_s: float) -> Floats:
+def one_over_f(
+    rng: np.random.Generator, frames: int, period: int, dt_s: float, peak_m_s: float, exponent: float
+) -> Floats:
     """(frames, 2) Pa: speed with a −5/3 power spectrum around 0.7 of its peak, and a wandering heading."""
     series = _repeated(noise(rng, period, dt_s, 5 / 3), frames)
     wander = _repeated(noise(rng, period, dt_s, 2.0), frames)
     speed = np.clip(0.7 * peak_m_s * (1.0 + NOISE_INTENSITY * series), 0.0, peak_m_s)
-    return directed_pressure(speed, rng.uniform(0, 2 * np.pi) + rng.uniform(0.3, 0.7) * wander)
+    return directed_pressure(speed, rng.uniform(0, 2 * np.pi) + rng.uniform(0.3, 0.7) * wander, exponent)
 
 
-def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float) -> Floats:
+def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float, exponent: float) -> Floats:
     """(frames, 2) Pa: the same gusts in every window; the heading turns once around over the run."""
     rng = np.random.default_rng(seed)
     series, wander = (_repeated(noise(rng, window, dt_s, beta), frames) for beta in (5 / 3, 2.0))
     speed = np.clip(0.55 * peak_m_s * (1.0 + 0.45 * series), 0.0, peak_m_s)
-    return directed_pressure(speed, 0.5 * wander + 2 * np.pi * np.arange(frames) / frames)
+    return directed_pressure(speed, 0.5 * wander + 2 * np.pi * np.arange(frames) / frames, exponent)
 
 
-def directed_pressure(speed_m_s: npt.NDArray[np.floating[Any]], heading_rad: Floats | float) -> Floats:
-    """(frames, 2) Pa: pressure vectors of speeds (frames,) and a heading, one or (frames,)."""
+def directed_pressure(
+    speed_m_s: npt.NDArray[np.floating[Any]], heading_rad: Floats | float, exponent: float
+) -> Floats:
+    """(frames, 2) Pa: pressure vectors of speeds (frames,) and a heading, one or (frames,).
+
+    ``exponent`` is the streamlined exponent of the tree.
+    """
     heading = np.broadcast_to(heading_rad, speed_m_s.shape)
-    return dynamic_pressure(speed_m_s)[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    return dynamic_pressure(speed_m_s, exponent)[:, None] * np.stack(
+        [np.cos(heading), np.sin(heading)], axis=1
+    )
 
 
 def noise(rng: np.random.Generator, period: int, dt_s: float, beta: float) -> Floats:

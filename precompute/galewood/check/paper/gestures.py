@@ -63,8 +63,9 @@ def target_wind(table: Table, frames: int) -> Floats:
     t = np.arange(frames) * float(table.metadata["dt_s"])
     wave = (1 + depth * np.cos(2 * np.pi * (t / period_s + 0.5))) / (1 + depth)
     return directed_pressure(
-        float(table.metadata["design_speed_m_s"]) * peak * wave, np.radians(TARGET_DIRECTION_DEG)
-    )
+        float(table.metadata["design_speed_m_s"]) * peak * wave, np.radians(TARGET_DIRECTION_DEG),
+        table.streamlined_exponent,
+    )  # fmt: skip
 
 
 def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
@@ -142,7 +143,10 @@ def small_table(table: Table, source: Source, runs: Sequence[SampledRun]) -> Tab
 def paper_directions(plan: Plan, table: Table, source: Source) -> Fig5:
     """Fig. 5: the strongest cosine wind from six directions, at frame 20."""
     metadata = table.metadata
-    winds = sample_winds(float(metadata["design_speed_m_s"]), float(metadata["dt_s"]), DIRECTION_FRAME)
+    winds = sample_winds(
+        float(metadata["design_speed_m_s"]), float(metadata["dt_s"]), table.streamlined_exponent,
+        DIRECTION_FRAME,
+    )  # fmt: skip
     strongest = [wind for wind in winds if wind.name.startswith("cosine-5")]
     tasks = [ReferenceTask(source.model_path, wind.pressure_pa) for wind in strongest]
     paths = run_references(tasks, plan.cache_dir, lambda done: None, plan.workers)

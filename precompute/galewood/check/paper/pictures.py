@@ -54,7 +54,7 @@ def new_figure(width: float, height: float) -> Any:
 def draw_winds(table: Table, plan: Plan, path: Path) -> None:
     """Fig. 2: the six cosine winds of the table."""
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
-    winds = sample_winds(speed_m_s, dt_s, plan.record_frames)
+    winds = sample_winds(speed_m_s, dt_s, table.streamlined_exponent, plan.record_frames)
     chosen = [wind for wind in winds if wind.name.startswith("cosine") and wind.direction_deg == 60.0]
     figure = new_figure(7.0, 2.6)
     panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()

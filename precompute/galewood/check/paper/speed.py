@@ -82,7 +82,7 @@ def _runs_of_most(
     most = source.mesh.tets[sampled_elements(source.mesh, skeleton, plan.elements[-1])]
     counts = {count: np.unique(most[:count]).astype(np.int64) for count in plan.elements}
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
-    sampled = sample_winds(speed_m_s, dt_s, plan.element_frames)
+    sampled = sample_winds(speed_m_s, dt_s, table.streamlined_exponent, plan.element_frames)
     winds = [
         wind for wind in sampled if wind.name.startswith("cosine") and wind.direction_deg == DIRECTION_DEG
     ]
@@ -116,7 +116,8 @@ def step_us(table: Table, method: str, plan: Plan, trees: int = TREE_COUNT) -> f
         spent = 0.0
         for step in range(steps):
             if trees > 1 or step % 20 == 0:
-                field.pressure(x, z, (repeat * steps + step) * dt_s, pressure[0], pressure[1])
+                time_s = (repeat * steps + step) * dt_s
+                field.pressure(x, z, time_s, pressure[0], pressure[1], table.streamlined_exponent)
             start = time.process_time_ns()
             forest.advance(dt_s * (1 + 1e-12), pressure[0], pressure[1])
             spent += time.process_time_ns() - start
@@ -163,13 +164,14 @@ def _forest_ms(
     for forest, cut in zip(parts, cuts, strict=True):
         forest.set_trees(x[cut], z[cut], yaw[cut], np.ones(cut.stop - cut.start))
     field, pressure = WindField(PRESETS["autumn-gusts"]), np.zeros((2, len(x)), np.float32)
-    dt_s = float(tables[0].metadata["dt_s"])
+    dt_s, exponent = float(tables[0].metadata["dt_s"]), tables[0].streamlined_exponent
     best = (np.inf, np.inf)
     for repeat in range(REPEAT_COUNT):
         wind_ns = step_ns = 0
         for step in range(plan.steps):
             began = time.process_time_ns()
-            field.pressure(x, z, (repeat * plan.steps + step) * dt_s, pressure[0], pressure[1])
+            time_s = (repeat * plan.steps + step) * dt_s
+            field.pressure(x, z, time_s, pressure[0], pressure[1], exponent)
             blown = time.process_time_ns()
             for forest, cut in zip(parts, cuts, strict=True):
                 forest.advance(dt_s * (1 + 1e-12), pressure[0, cut], pressure[1, cut])

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from galewood.util import Floats, Int32s
+from galewood.wood import BARE_EXPONENT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +46,11 @@ class Bar:
     @property
     def wind_profile(self) -> None:
         """None: the wind is the same along the bar."""
+
+    @property
+    def streamlined_exponent(self) -> float:
+        """That of bare wood."""
+        return BARE_EXPONENT
 
 
 def polygon_bar(

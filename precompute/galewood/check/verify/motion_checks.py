@@ -99,7 +99,7 @@ def plate_on_a_spring(dt_s: float) -> tuple[Floats, Floats]:
     simulator.displace(start_m)
     found = np.empty(len(winds_m_s))
     for k, wind in enumerate(winds_m_s):
-        simulator.step(np.array([dynamic_pressure(wind), 0.0]))
+        simulator.step(np.array([dynamic_pressure(wind, model.streamlined_exponent), 0.0]))
         found[k] = simulator.u[top, 0]
     shape = modes.shapes[:, top]
     first = np.zeros(PLATE_MODES)

@@ -117,7 +117,7 @@ class Model:
         if frames < 1:
             raise ValueError(f"duration_s must be at least one time step ({dt_s:.4g} s)")
         time_s: Floats = dt_s * np.arange(1, frames + 1, dtype=np.float64)
-        pressure_pa = pressure_at_origin(wind, self.tree.height_m, time_s)
+        pressure_pa = pressure_at_origin(wind, self.tree.height_m, time_s, self.fem.streamlined_exponent)
         simulator = Simulator(self.fem)
         displacement_m = np.empty((frames, self.fem.vertex_count, 3), np.float32)
         for frame, pressure in enumerate(pressure_pa):
@@ -128,13 +128,16 @@ class Model:
         return Motion(time_s, displacement_m, pressure_pa)
 
 
-def pressure_at_origin(wind: Wind, height_m: float, time_s: Floats) -> Floats:
-    """(T, 2) dynamic pressure, Pa, on a tree of this height at x = z = 0, at each time (T,)."""
+def pressure_at_origin(wind: Wind, height_m: float, time_s: Floats, exponent: float) -> Floats:
+    """(T, 2) dynamic pressure, Pa, on a tree of this height at x = z = 0, at each time (T,).
+
+    ``exponent`` is the streamlined exponent of the tree.
+    """
     field, place = WindField(wind), np.zeros(1)
     factor = height_factor(np.array([height_m]), wind.height_exponent, wind.reference_height_m)
     found = np.zeros((len(time_s), 2))
     pressure_x, pressure_z = np.zeros(1), np.zeros(1)
     for frame, now_s in enumerate(time_s):
-        field.pressure(place, place, float(now_s), pressure_x, pressure_z, factor)
+        field.pressure(place, place, float(now_s), pressure_x, pressure_z, exponent, factor)
         found[frame] = pressure_x[0], pressure_z[0]
     return found

@@ -124,7 +124,7 @@ def _release(free, far, by_pair):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def add_drag_gradient(
-    point, inputs, outputs, rest, v, pressure, by_force, by_v
+    point, inputs, outputs, rest, exponent, v, pressure, by_force, by_v
 ):  # pragma: no cover  (compiled)
     """Add to by_v (d, lanes) the gradient of Σ by_force · force, with the force of ``add_drag`` at v.
 
@@ -144,11 +144,11 @@ def add_drag_gradient(
         mean = 0.0
         for j in range(count):
             area, share = point[j, 0], point[j, 1]
-            air = speed_of_pressure(share * wind_pa) / max(wind_pa, TINY_PA)
+            air = speed_of_pressure(share * wind_pa, exponent) / max(wind_pa, TINY_PA)
             wx, wz = air * px - moved[j, lane], air * pz - moved[2 * count + j, lane]
             wy = -moved[count + j, lane]
             speed = np.sqrt(wx * wx + wy * wy + wz * wz)
-            per_speed, power = pressure_per_speed(speed)
+            per_speed, power = pressure_per_speed(speed, exponent)
             mean += share_of[j] * per_speed
             gx, gy, gz = (
                 area * by_outputs[j, lane],

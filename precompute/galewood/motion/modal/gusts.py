@@ -28,6 +28,7 @@ class GustTensors:
     step: Singles  # (L, 6) as in ModalTensors
     load: Singles  # (L, 2G) m/s² per Pa of the pressure along x and z at each place, beyond that of the tree
     drag: Singles  # (L,) damping, 1/s, per Pa·s/m of pressure over wind speed
+    streamlined_exponent: float  # of the pressure over the wind speed, above 5 m/s
 
     @property
     def oscillators(self) -> int:
@@ -35,22 +36,22 @@ class GustTensors:
         return len(self.step)
 
 
-def no_gusts() -> GustTensors:
-    """The tensors of a table without a gust layer."""
+def no_gusts(exponent: float) -> GustTensors:
+    """The tensors of a table without a gust layer, of a tree with this streamlined exponent."""
     shapes = ((0, 3), (0, 6), (0, 0), (0,))
-    return GustTensors(*(np.zeros(shape, np.float32) for shape in shapes))
+    return GustTensors(*(np.zeros(shape, np.float32) for shape in shapes), streamlined_exponent=exponent)
 
 
 @numba.njit(cache=True, nogil=True)
 def advance_gusts(tensors, rate, turn, phase, pressure, gusts, state, q):  # pragma: no cover  (compiled)
     """Advance the gust layer of all trees by ``rate`` steps each and write the interpolated poses to q.
 
-    ``tensors`` are step, load and drag of ``GustTensors`` in float64. ``pressure`` is that at the trees along
-    world x and z, (count,) Pa. gusts (count, 2G) are the relative gusts at each place, along and across that
-    pressure; q (count, L) m. ``phase`` (count,) is that before the step of the modal model, and is not
-    changed. ``state`` (count, L) is updated: coordinates, speeds, and the poses of the last two steps.
+    ``tensors`` are step, load, drag (float64) and exponent of ``GustTensors``. ``pressure`` is that at the
+    trees along world x and z, (count,) Pa. gusts (count, 2G) are the relative gusts at each place, along and
+    across that pressure; q (count, L) m. ``phase`` (count,) is that before the step of the modal model, and
+    is not changed. ``state`` (count, L) is updated: coordinates, speeds, and the poses of the last two steps.
     """
-    step, load, drag = tensors
+    step, load, drag, exponent = tensors
     pressure_x, pressure_z = pressure
     e, v, now, before = state
     oscillators, places = len(step), load.shape[1] // 2
@@ -62,7 +63,7 @@ def advance_gusts(tensors, rate, turn, phase, pressure, gusts, state, q):  # pra
         for g in range(places):
             a, b = gusts[i, 2 * g], gusts[i, 2 * g + 1]
             local[2 * g], local[2 * g + 1] = a * x - b * z, a * z + b * x
-        per_speed = strength / speed_of_pressure(strength) if strength > 0.0 else 0.0
+        per_speed = strength / speed_of_pressure(strength, exponent) if strength > 0.0 else 0.0
         passed = phase[i] + rate[i]
         for _ in range(min(int(passed), MAX_STEPS_PER_ADVANCE)):
             largest = fastest = 0.0

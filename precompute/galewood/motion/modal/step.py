@@ -21,7 +21,7 @@ BATCH_TREES = 64
 @numba.njit(cache=True, nogil=True)
 def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
     """Advance all trees of a batch by one table step: linear step, polynomial force and drag."""
-    step, load, sway, force, _, _, limits, point, inputs, outputs, rest = tensors
+    step, load, sway, force, _, _, limits, point, inputs, outputs, rest, exponent = tensors
     e, v, pressure, ahead, pairs, terms, total, moved, _ = batch
     write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
     np.dot(force, terms[: force.shape[1]], total[: len(e)])
@@ -32,7 +32,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
             # the mean speed during the step, without the drag
             ahead[k, lane] = (a * e[k, lane] + b * v[k, lane] + s0 * total[k, lane]) * (0.5 / half_s)
     if len(point) > 0:
-        add_drag(point, inputs, outputs, rest, ahead, pressure, moved, total[: len(e)])
+        add_drag(point, inputs, outputs, rest, exponent, ahead, pressure, moved, total[: len(e)])
     for k in range(len(e)):
         a, b, c, d, s0, s1 = step[k]
         for lane in range(BATCH_TREES):
@@ -66,7 +66,7 @@ def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def _write_poses(tensors, batch, count, state):  # pragma: no cover  (compiled)
     """Move ``now`` to ``before``, write the new poses to ``now``, and the extrapolation ratios."""
-    _, _, _, _, shown, pose, limits, _, _, _, _ = tensors
+    _, _, _, _, shown, pose, limits, _, _, _, _, _ = tensors
     e, _, pressure, _, pairs, terms, total, _, tree = batch
     _, _, _, now, before, extrapolation_ratio = state
     d = len(e)
@@ -146,15 +146,15 @@ def advance_trees(
             q[i, k] = before[i, k] + (now[i, k] - before[i, k]) * phase[i]
 
 
-def float64_tensors(modal: ModalTensors) -> tuple[Floats, ...]:
+def float64_tensors(modal: ModalTensors) -> tuple[Floats | float, ...]:
     """The tensors in float64, as the step uses them; force (d, F) and pose (r − d, terms) are transposed.
 
-    The last four are those of the drag (``drag_tensors``).
+    The last five are those of the drag (``drag_tensors``).
     """
     t = modal
     tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
     wide = tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
-    return *wide, *drag_tensors(t.drag_point, t.drag_shape, t.drag_rest)
+    return *wide, *drag_tensors(t.drag_point, t.drag_shape, t.drag_rest, t.streamlined_exponent)
 
 
 def working_room(modal: ModalTensors) -> tuple[Array, ...]:

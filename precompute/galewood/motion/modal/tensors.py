@@ -29,6 +29,7 @@ class ModalTensors:
     drag_point: Singles  # (m, 2) of each drag point: area, m², and share of the wind's pressure at shelter
     drag_shape: Singles  # (3, m, d) velocity x, y, z of each point per unit of the oscillators' speeds, 1/√kg
     drag_rest: Singles  # (d,) area of the motion within the points, m²/kg
+    streamlined_exponent: float  # of the pressure over the wind speed, above 5 m/s
 
     @property
     def coupled(self) -> int:

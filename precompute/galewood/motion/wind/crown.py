@@ -29,7 +29,6 @@ from galewood.constants import (
     CROWN_SLANT,
     CROWN_WAVES,
     HASH_TURN_RAD,
-    STREAMLINED_EXPONENT,
     STREAMLINING_PRESSURE_PA,
 )
 from galewood.motion.wind.models.hashing import hash32
@@ -75,19 +74,23 @@ def crown_carried(moment: Moment) -> tuple[float, float, float, float]:
 
 
 @numba.njit(cache=True, nogil=True)
-def write_gusts(field, carried, places, x_m, z_m, turn, size, pressure, out):  # pragma: no cover  (compiled)
+def write_gusts(
+    field, carried, places, stand, turn, size, pressure, exponent, out
+):  # pragma: no cover  (compiled)
     """Write the relative pressures of the gusts at places of trees to out (count, 2G).
 
     ``field`` is from ``crown_field``, ``carried`` from ``crown_carried``; places (G, 3) are points of a tree,
-    m; turn (count, 2) cosine and sine of the yaw, size (count,) the scale; ``pressure`` is that at the trees
-    along x and z, (count,) Pa. ``out`` has two numbers for each place: what the pressure there is in addition
+    m; ``stand`` is where the trees stand, x and z (count,) m; turn (count, 2) cosine and sine of the yaw,
+    size (count,) the scale; ``pressure`` is that at the trees along x and z, (count,) Pa; ``exponent`` is
+    their streamlined exponent. ``out`` has two numbers for each place: what the pressure there is in addition
     to that at the tree, along it and across it, over its strength.
     """
     c, s, distance, intensity = carried
+    x_m, z_m = stand
     pressure_x, pressure_z = pressure
     for i in range(len(x_m)):
         square = pressure_x[i] * pressure_x[i] + pressure_z[i] * pressure_z[i]
-        growth = STREAMLINED_EXPONENT if square > STREAMLINING_PRESSURE_PA * STREAMLINING_PRESSURE_PA else 2.0
+        growth = exponent if square > STREAMLINING_PRESSURE_PA * STREAMLINING_PRESSURE_PA else 2.0
         if intensity == 0.0 or square == 0.0:
             out[i, :] = 0.0
             continue

@@ -80,6 +80,10 @@ def wind_pressure(
     time_s: float,
     out_x_pa: npt.NDArray[Any],
     out_z_pa: npt.NDArray[Any],
+    exponent: float,
 ) -> None:
-    """Write the pressure vector (Pa, world x and z) at each position; exactly 0 in still air."""
-    _field(wind).pressure(x_m, z_m, float(time_s), out_x_pa, out_z_pa)
+    """Write the pressure vector (Pa, world x and z) at each position; exactly 0 in still air.
+
+    ``exponent`` is the streamlined exponent of the trees (``dynamic_pressure``).
+    """
+    _field(wind).pressure(x_m, z_m, float(time_s), out_x_pa, out_z_pa, exponent)

@@ -13,45 +13,47 @@ import numpy.typing as npt
 from galewood.constants import (
     HALF_AIR_DENSITY_KG_M3,
     PRESSURE_COMPRESSION,
-    STREAMLINED_EXPONENT,
     STREAMLINING_PRESSURE_PA,
     STREAMLINING_SPEED_M_S,
 )
 from galewood.util import Array, Floats
 
 
-def dynamic_pressure(speed_m_s: npt.ArrayLike) -> Floats:
-    """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, proportional to U^1.3 above (streamlining)."""
+def dynamic_pressure(speed_m_s: npt.ArrayLike, exponent: float) -> Floats:
+    """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, proportional to U^exponent above (streamlining).
+
+    Here and below ``exponent`` is the tree's streamlined exponent, 1 … 2; at 2 the law is one parabola.
+    """
     speed = np.asarray(speed_m_s, np.float64)
-    streamlined = STREAMLINING_PRESSURE_PA * (speed / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT
+    streamlined = STREAMLINING_PRESSURE_PA * (speed / STREAMLINING_SPEED_M_S) ** exponent
     return np.where(speed <= STREAMLINING_SPEED_M_S, HALF_AIR_DENSITY_KG_M3 * speed * speed, streamlined)
 
 
 @numba.njit(cache=True, nogil=True)
-def pressure_per_speed(speed_m_s):  # pragma: no cover  (compiled)
+def pressure_per_speed(speed_m_s, exponent):  # pragma: no cover  (compiled)
     """Dynamic pressure over speed, Pa·s/m, and the exponent with which the pressure grows at that speed."""
     if speed_m_s <= STREAMLINING_SPEED_M_S:
         return HALF_AIR_DENSITY_KG_M3 * speed_m_s, 2.0
     start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
     ratio = speed_m_s / STREAMLINING_SPEED_M_S
-    return start * ratio ** (STREAMLINED_EXPONENT - 1.0), STREAMLINED_EXPONENT
+    return start * ratio ** (exponent - 1.0), exponent
 
 
 @numba.njit(cache=True, nogil=True)
-def speed_of_pressure(pressure_pa):  # pragma: no cover  (compiled)
+def speed_of_pressure(pressure_pa, exponent):  # pragma: no cover  (compiled)
     """Inverse of ``dynamic_pressure``: the speed, m/s, of a dynamic pressure of at least 0 Pa."""
     if pressure_pa <= STREAMLINING_PRESSURE_PA:
         return math.sqrt(pressure_pa / HALF_AIR_DENSITY_KG_M3)
-    return STREAMLINING_SPEED_M_S * (pressure_pa / STREAMLINING_PRESSURE_PA) ** (1.0 / STREAMLINED_EXPONENT)
+    return STREAMLINING_SPEED_M_S * (pressure_pa / STREAMLINING_PRESSURE_PA) ** (1.0 / exponent)
 
 
 @numba.njit(cache=True, nogil=True)
-def pressure_of_velocity(velocity_x, velocity_z, factor):  # pragma: no cover  (compiled)
+def pressure_of_velocity(velocity_x, velocity_z, factor, exponent):  # pragma: no cover  (compiled)
     """Convert velocities (m/s), each scaled by its height factor, to pressure vectors (Pa) in place."""
     for i in range(len(velocity_x)):
         vx, vz = velocity_x[i] * factor[i], velocity_z[i] * factor[i]
         # multiplying by pressure over speed keeps the direction of the velocity
-        per_speed = pressure_per_speed(math.sqrt(vx * vx + vz * vz))[0]
+        per_speed = pressure_per_speed(math.sqrt(vx * vx + vz * vz), exponent)[0]
         velocity_x[i] = per_speed * vx
         velocity_z[i] = per_speed * vz
 

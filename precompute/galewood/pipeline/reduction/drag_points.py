@@ -26,6 +26,7 @@ class DragPoints:
     point: Singles
     shape: Singles
     rest: Singles
+    streamlined_exponent: float
 
 
 def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
@@ -33,7 +34,8 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
     d = len(own.omega)
     nodes = np.flatnonzero(own.exposure.area_m2 > 0)
     if not len(nodes):
-        return DragPoints(*(np.zeros(shape, np.float32) for shape in ((0, 2), (3, 0, d), (d,))))
+        nothing = (np.zeros(shape, np.float32) for shape in ((0, 2), (3, 0, d), (d,)))
+        return DragPoints(*nothing, streamlined_exponent=own.exposure.streamlined_exponent)
     profile = own.exposure.profile[nodes]
     motion = own.shapes.reshape(d, -1, 3)[:, nodes].transpose(1, 2, 0) / profile[:, None, None]
     # A node's force acts on the oscillators by its displacement, not by that over the profile.
@@ -49,7 +51,8 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
         point[j] = area[inside].sum(), weight @ own.exposure.share[nodes][inside]
         shape[:, j] = mean
         rest += np.einsum("n,nik->k", area[inside], np.square(motion[inside] - mean))
-    return DragPoints(point.astype(np.float32), shape.astype(np.float32), rest.astype(np.float32))
+    tensors = (tensor.astype(np.float32) for tensor in (point, shape, rest))
+    return DragPoints(*tensors, streamlined_exponent=own.exposure.streamlined_exponent)
 
 
 def clusters(places: Floats, weight: Floats, count: int) -> Array:

@@ -50,7 +50,7 @@ def gust_modes(body: Oscillators, settings: FemSettings) -> GustModes:
     exposure, wide = body.exposure, body.shapes.shape[1]
     nodes = np.flatnonzero(exposure.area_m2 > 0)
     if not len(nodes) or not len(exposure.place_m):
-        return GustModes(no_gusts(), np.zeros((0, wide)))
+        return GustModes(no_gusts(exposure.streamlined_exponent), np.zeros((0, wide)))
     places = min(PLACE_COUNT, len(nodes))
     cluster = clusters(exposure.place_m[nodes], exposure.area_m2[nodes], places)
     members = [nodes[cluster == g] for g in range(int(cluster.max()) + 1)]
@@ -63,10 +63,9 @@ def gust_modes(body: Oscillators, settings: FemSettings) -> GustModes:
     motion = own.shapes.reshape(len(own.omega), -1, 3)
     far = np.sqrt(np.square(motion).sum(axis=2).max(axis=1))
     tensors = (centres, step, own.load * far[:, None], _drag(motion, exposure))
-    return GustModes(
-        GustTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors)),
-        own.shapes / far[:, None],
-    )
+    singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
+    layer = GustTensors(*singles, streamlined_exponent=exposure.streamlined_exponent)
+    return GustModes(layer, own.shapes / far[:, None])
 
 
 def gust_range(layer: GustModes, strengths_pa: Sequence[float], dt_s: float) -> list[Floats]:
@@ -85,11 +84,11 @@ def _load(body: Oscillators, members: Array, area: Floats) -> Floats:
     The mean gust over a place is smaller than that at a point.
     """
     shapes = body.shapes.reshape(len(body.omega), -1, 3)[:, members]
-    share = _mean_gust(body.exposure.place_m[members], area[members])
+    share = _mean_gust(body.exposure.place_m[members], area[members], body.exposure.streamlined_exponent)
     return share * np.einsum("n,kni->ki", area[members], shapes[:, :, [0, 2]])
 
 
-def _mean_gust(places_m: Floats, weight: Floats) -> float:
+def _mean_gust(places_m: Floats, weight: Floats, exponent: float) -> float:
     """Root mean square of the gust averaged over places, over that at a point."""
     rng = np.random.default_rng(NOISE_SEED)
     field, out = crown_field(0), np.zeros((1, 2 * len(places_m)))
@@ -100,7 +99,8 @@ def _mean_gust(places_m: Floats, weight: Floats) -> float:
         c, s = np.cos(heading), np.sin(heading)
         # so weak that no gust is limited, and in a wind along the heading
         carried = (c, s, 0.0, 1e-3)
-        write_gusts(field, carried, places_m, one * x, one * z, still, one, (one * c, one * s), out)
+        stand, pressure = (one * x, one * z), (one * c, one * s)
+        write_gusts(field, carried, places_m, stand, still, one, pressure, exponent, out)
         gusts = out.reshape(-1, 2)
         squares += np.square(weight @ gusts / weight.sum()).sum(), np.square(gusts).sum(axis=1).mean()
     return float(np.sqrt(squares[0] / squares[1]))
@@ -127,15 +127,15 @@ def _motion(tensors: GustTensors, pressure_pa: float, dt_s: float, frames: int) 
         np.ascontiguousarray(tensor, np.float64)
         for tensor in (tensors.place, tensors.step, tensors.load, tensors.drag)
     )
-    count = tensors.oscillators
+    count, exponent = tensors.oscillators, tensors.streamlined_exponent
     state = tuple(np.zeros((1, count)) for _ in range(4))
     q = np.zeros((1, count), np.float32)
     one, nothing, turn = np.ones(1), np.zeros(1), np.array([[1.0, 0.0]])
-    speed_m_s, pressure = float(speed_of_pressure(pressure_pa)), (pressure_pa * one, nothing)
+    speed_m_s, pressure = float(speed_of_pressure(pressure_pa, exponent)), (pressure_pa * one, nothing)
     track, gusts, field = np.zeros((frames, count)), np.zeros((1, 2 * len(place))), crown_field(0)
     for frame in range(frames):
         carried = (1.0, 0.0, max(speed_m_s, 1.0) * frame * dt_s, GUST_INTENSITY)
-        write_gusts(field, carried, place, nothing, nothing, turn, one, pressure, gusts)
-        advance_gusts(tuple(widened), one, turn, nothing, pressure, gusts, state, q)
+        write_gusts(field, carried, place, (nothing, nothing), turn, one, pressure, exponent, gusts)
+        advance_gusts((*widened, exponent), one, turn, nothing, pressure, gusts, state, q)
         track[frame] = state[0][0]
     return track

@@ -67,7 +67,8 @@ def linear_motion(
         drag.shape,
         drag.rest,
     )
-    modal = ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
+    singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
+    modal = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
     return LinearMotion(modal, subspace, [run.q for run in runs])
 
 

@@ -75,7 +75,8 @@ def fit_modal_model(
     relative = step.copy()
     relative[:, [0, 3]] -= 1.0
     tensors = (relative, ritz.load, sway, starts[0], shown, pose, limits, drag.point, drag.shape, drag.rest)
-    first = ModalTensors(*(_single(tensor) for tensor in tensors))
+    singles = (_single(tensor) for tensor in tensors)
+    first = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
     force = fitted_force(first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s)
     return replace(first, force=_single(force))
 
@@ -122,7 +123,7 @@ def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:
     force = np.zeros_like(speed)
     if len(drag.point):
         room = np.zeros((3 * len(drag.point) + 6, speed.shape[1]))
-        tensors = drag_tensors(drag.point, drag.shape, drag.rest)
+        tensors = drag_tensors(drag.point, drag.shape, drag.rest, drag.streamlined_exponent)
         add_drag(*tensors, speed, np.ascontiguousarray(run.pressure.T), room, force)
     return force.T
 

@@ -15,6 +15,7 @@ import numpy as np
 from galewood.pipeline.sampling import GOLDEN_RAD, noise
 from galewood.solid.fem import FemModel, FemSettings, natural_modes
 from galewood.util import Floats
+from galewood.wood import BARE_EXPONENT
 
 NATURAL_MODES = 120
 REDUCTION_PERIODS_S = (3.0, 2.5)
@@ -36,10 +37,11 @@ class Exposure:
     area_m2: Floats  # (n,) without shelter
     share: Floats  # (n,) drag area with shelter over that without
     profile: Floats  # (n,) wind speed over that at the top
+    streamlined_exponent: float
     place_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))  # (n, 3) at rest, m
 
 
-NOT_EXPOSED = Exposure(np.zeros(0), np.ones(0), np.ones(0))
+NOT_EXPOSED = Exposure(np.zeros(0), np.ones(0), np.ones(0), BARE_EXPONENT)
 """Of a body whose wind load does not depend on its motion."""
 
 
@@ -65,9 +67,10 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     damping = model.alpha * np.eye(len(shapes)) + model.beta * _elastic(model, shapes)
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
     of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
-    drag = model.drag()
-    parts = (drag.exposed_m2, drag.share, drag.profile, model.nodes_m + model.u_rest)
-    exposure = Exposure(*(values[: model.vertex_count] for values in parts))
+    drag, inside = model.drag(), slice(model.vertex_count)
+    parts = (values[inside] for values in (drag.exposed_m2, drag.share, drag.profile))
+    place_m = (model.nodes_m + model.u_rest)[inside]
+    exposure = Exposure(*parts, streamlined_exponent=model.streamlined_exponent, place_m=place_m)
     return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
 
 

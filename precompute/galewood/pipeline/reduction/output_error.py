@@ -114,7 +114,9 @@ class Simulation:
     def __init__(self, model: ModalTensors, target: Target, metric: Floats, dt_s: float) -> None:
         tensors = (model.step, model.load, model.sway, model.limits)
         self._tensors = tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
-        self._drag = drag_tensors(model.drag_point, model.drag_shape, model.drag_rest)
+        self._drag = drag_tensors(
+            model.drag_point, model.drag_shape, model.drag_rest, model.streamlined_exponent
+        )
         self._target, self._metric, self._half_s = target, metric, dt_s / 2
         steps, lanes = len(target.pressure_pa), len(target.weight[0])
         d, terms = len(model.step), len(model.force)
@@ -202,7 +204,7 @@ def _simulate(tensors, half_s, drag, pressure, force, state):  # pragma: no cove
     """
     step, load, sway, limits = tensors
     e, v, mean_speed, terms = state
-    point, inputs, outputs, rest = drag
+    point, inputs, outputs, rest, exponent = drag
     d, lanes = e.shape[1], e.shape[2]
     ahead, pairs = np.empty((d, lanes)), np.empty((3, 2, lanes))
     room = np.empty((3 * len(point) + 6, lanes))
@@ -215,7 +217,7 @@ def _simulate(tensors, half_s, drag, pressure, force, state):  # pragma: no cove
                 moved = a * e[t, k, lane] + b * v[t, k, lane] + s0 * total[k, lane]
                 mean_speed[t, k, lane] = moved * (0.5 / half_s)
         if len(point) > 0:
-            add_drag(point, inputs, outputs, rest, mean_speed[t], pressure[t], room, total)
+            add_drag(point, inputs, outputs, rest, exponent, mean_speed[t], pressure[t], room, total)
         for k in range(d):
             a, b, c, g, s0, s1 = step[k]
             for lane in range(lanes):
@@ -231,7 +233,7 @@ def _go_back(
     """Add to by_force (d, F) the gradient of Σ by_motion · e through all steps of ``_simulate``."""
     step, _, sway, limits = tensors
     e, v, mean_speed, terms = state
-    point, inputs, outputs, rest = drag
+    point, inputs, outputs, rest, exponent = drag
     d, lanes = e.shape[1], e.shape[2]
     by_e, by_v = np.zeros((d, lanes)), np.zeros((d, lanes))
     by_total, by_speed = np.empty((d, lanes)), np.empty((d, lanes))
@@ -243,7 +245,9 @@ def _go_back(
             for lane in range(lanes):
                 by_total[k, lane] = step[k, 4] * by_e[k, lane] + step[k, 5] * by_v[k, lane]
         if len(point) > 0:
-            add_drag_gradient(point, inputs, outputs, rest, mean_speed[t], pressure[t], by_total, by_speed)
+            add_drag_gradient(
+                point, inputs, outputs, rest, exponent, mean_speed[t], pressure[t], by_total, by_speed
+            )
         for k in range(d):
             a, b, c, g, s0, _ = step[k]
             for lane in range(lanes):

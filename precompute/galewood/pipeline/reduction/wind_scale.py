@@ -44,7 +44,8 @@ def training_winds(
 ) -> TrainingWinds:
     """The training winds of a body, whose vertices have the masses (n,) kg."""
     first_hz = float(body.omega[0]) / (2 * np.pi)
-    shapes = training_shapes(first_hz, settings.dt_s, seed=seed, count=WIND_COUNT + FURTHER_WINDS)
+    exponent, count = body.exposure.streamlined_exponent, WIND_COUNT + FURTHER_WINDS
+    shapes = training_shapes(first_hz, settings.dt_s, exponent, seed=seed, count=count)
     speeds = speeds_for(shapes, body, mass_kg, height_m, settings)
     winds = [shape.at(speed) for shape, speed in zip(shapes, speeds.tolist(), strict=True)]
     return TrainingWinds(winds[:WIND_COUNT], winds[WIND_COUNT:])

@@ -89,7 +89,7 @@ def plan_samples(
     ``frames`` is the length of each of the paper's cosine winds. Three of the six are recorded, in six
     directions, or with ``all_winds`` all six.
     """
-    paper = sample_winds(speed_m_s, model.settings.dt_s, frames)
+    paper = sample_winds(speed_m_s, model.settings.dt_s, model.streamlined_exponent, frames)
     tasks = iter(sample_tasks(model, [*training.default, *paper, *training.further], points, cache_dir))
     own, every, more = (
         list(islice(tasks, len(some))) for some in (training.default, paper, training.further)

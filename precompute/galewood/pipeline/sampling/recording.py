@@ -96,19 +96,26 @@ class Body(Protocol):
     def recorded_stiffness(self, vertices: Array) -> Array: ...  # (q, 3, 3) at the state before the step
 
 
-def sample_winds(design_speed_m_s: float, dt_s: float, frames: int = 180) -> list[SampleWind]:
+def sample_winds(
+    design_speed_m_s: float, dt_s: float, exponent: float, frames: int = 180
+) -> list[SampleWind]:
     """The winds of a table: still air, 6 cosine × 6 directions, 6 gusts that die down.
 
+    ``exponent`` is the streamlined exponent of the tree.
     Still air comes first: a tree that starts in no wind uses the lowest record of still air.
     """
     time_s = np.arange(frames, dtype=np.float64) * dt_s
+
+    def pressure_of(share: Floats) -> Floats:
+        return dynamic_pressure(design_speed_m_s * share, exponent)
+
     winds = [
-        _wind(f"cosine-{k}", direction, design_speed_m_s * _cosine(wind, time_s))
+        _wind(f"cosine-{k}", direction, pressure_of(_cosine(wind, time_s)))
         for k, wind in enumerate(COSINE_WINDS)
         for direction in DIRECTIONS_DEG
     ]
     gust, fade_frames = _gust(dt_s), round(FADE_S / dt_s)
-    winds += [_wind("gust", d, design_speed_m_s * gust, fade_frames) for d in DIRECTIONS_DEG]
+    winds += [_wind("gust", d, pressure_of(gust), fade_frames) for d in DIRECTIONS_DEG]
     return [_wind("still", 0.0, np.zeros(STILL_FRAMES)), *winds]
 
 
@@ -122,11 +129,12 @@ def _gust(dt_s: float) -> Floats:
     return np.concatenate([np.full(round(GUST_S / dt_s), GUST_PEAK), np.zeros(round(STILL_S / dt_s))])
 
 
-def _wind(name: str, direction_deg: float, speed_m_s: Floats, fade_frames: int = 0) -> SampleWind:
+def _wind(name: str, direction_deg: float, pressure_pa: Floats, fade_frames: int = 0) -> SampleWind:
     heading = np.radians(direction_deg)
     along = np.array([np.cos(heading), np.sin(heading)])
-    pressure = dynamic_pressure(speed_m_s)[:, None] * along
-    return SampleWind(f"{name}-{direction_deg:03.0f}", direction_deg, pressure, fade_frames)
+    return SampleWind(
+        f"{name}-{direction_deg:03.0f}", direction_deg, pressure_pa[:, None] * along, fade_frames
+    )
 
 
 def sample_trajectory(

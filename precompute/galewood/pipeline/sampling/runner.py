@@ -69,7 +69,8 @@ def _task(model: Path, wind: SampleWind, vertices: Array) -> SampleTask:
 
 def content_hash(model: FemModel) -> str:
     """Hash of everything that determines how a model moves."""
-    digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
+    coefficients = (model.alpha, model.beta, model.streamlined_exponent, model.settings)
+    digest = hashlib.sha256(repr(coefficients).encode())
     for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
         digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
     for name in ("strain_m", "exposed_area_m2", "wind_profile", "foundation_n_m"):

@@ -35,17 +35,21 @@ GOLDEN_RAD = np.pi * (3.0 - np.sqrt(5.0))
 
 @dataclass(frozen=True)
 class WindShape:
-    """A training wind up to its strength: velocity (T, 2) over its peak, and the sway it shall cause."""
+    """A training wind up to its strength: velocity (T, 2) over its peak, and the sway it shall cause.
+
+    ``exponent`` is the streamlined exponent of the tree.
+    """
 
     name: str
     velocity: Floats
     sway_share: float
+    exponent: float
 
     def pressure_pa(self, peak_m_s: float) -> Floats:
         """Pressure vectors (T, 2), Pa, at a peak speed."""
         speed = np.linalg.norm(self.velocity, axis=1)
         along = self.velocity / np.maximum(speed, 1e-12)[:, None]
-        return dynamic_pressure(peak_m_s * speed)[:, None] * along
+        return dynamic_pressure(peak_m_s * speed, self.exponent)[:, None] * along
 
     def at(self, peak_m_s: float) -> SampleWind:
         """The wind at a peak speed."""
@@ -74,9 +78,9 @@ class _Setting:
 
 
 def training_shapes(
-    first_hz: float, dt_s: float, *, seed: int = TRAINING_SEED, count: int = WIND_COUNT
+    first_hz: float, dt_s: float, exponent: float, *, seed: int = TRAINING_SEED, count: int = WIND_COUNT
 ) -> list[WindShape]:
-    """The first training winds of a tree with this first natural frequency.
+    """The first training winds of a tree with this first natural frequency and streamlined exponent.
 
     In groups of five: two of noise with a −5/3 spectrum, square waves near the first frequency, white noise,
     and two crossed waves near that frequency (sine or square). Some end with a stop.
@@ -92,7 +96,7 @@ def training_shapes(
         if k % 10 in (1, 4, 6):
             velocity[-CALM_FRAMES:] = 0.0
         velocity /= np.linalg.norm(velocity, axis=1).max()
-        shapes.append(WindShape(f"training-{k:02d}", velocity, SWAY_SHARES[k % len(SWAY_SHARES)]))
+        shapes.append(WindShape(f"training-{k:02d}", velocity, SWAY_SHARES[k % len(SWAY_SHARES)], exponent))
     return shapes
 
 

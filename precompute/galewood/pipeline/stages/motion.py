@@ -133,7 +133,9 @@ def fem_of(solid: SolidTree, options: BuildOptions) -> tuple[FemModel, SolidTree
 def plan_runs(solid: SolidTree, fem: FemModel, options: BuildOptions, cache_dir: Path) -> ModelledTree:
     """A model at its design wind, with the runs of its table, simulated or not."""
     height_m = solid.tree.height_m
-    wind = design_wind(Simulator(fem), options.design_speed_m_s, height_m, options.fem.dt_s)
+    wind = design_wind(
+        Simulator(fem), options.design_speed_m_s, height_m, options.fem.dt_s, fem.streamlined_exponent
+    )
     model = TrainingModel(fem, height_m, solid.points)
     return ModelledTree(solid, model, wind, model.plan(wind.speed_m_s, options, cache_dir), options)
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from galewood.constants import LINEAR_SWAY_SHARE
-from galewood.motion.wind import dynamic_pressure
-from galewood.solid.model import BeamModel, beam_model, typical_frequency_hz
+from galewood.solid.model import beam_model, typical_frequency_hz
 from galewood.tree import TreeMesh
 from galewood.wood import Wood, wood_of_species
 
@@ -31,7 +30,7 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] 
     except ValueError:
         return None
     first_hz, typical_hz = float(model.frequencies_hz[0]), typical_frequency_hz(tree.height_m)
-    sway_m = {speed_m_s: steady_sway_m(model, speed_m_s) for speed_m_s in (BREEZE_M_S, STORM_M_S)}
+    sway_m = {speed_m_s: model.steady_sway_m(speed_m_s) for speed_m_s in (BREEZE_M_S, STORM_M_S)}
     share = sway_m[STORM_M_S] / tree.height_m
     return {
         "first_frequency_hz": first_hz,
@@ -54,11 +53,6 @@ def _lively_hz(first_hz: float, typical_hz: float, share: float) -> float:
 def with_expected_motion(tree: TreeMesh) -> TreeMesh:
     """The tree with ``expected`` in its report."""
     return replace(tree, report=tree.report | {"expected": expected_motion(tree)})
-
-
-def steady_sway_m(model: BeamModel, wind_m_s: float) -> float:
-    """Largest displacement in a steady wind, m."""
-    return model.sway_m(float(dynamic_pressure(wind_m_s)))
 
 
 def motion_lines(expected: dict[str, Any] | None) -> list[str]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from galewood.constants import STREAMLINED_EXPONENT
-from galewood.motion.wind import dynamic_pressure
 from galewood.pipeline.reduction import Exposure, Oscillators, training_winds
 from galewood.pipeline.sampling import MAX_SWAY_SHARE
 from galewood.pipeline.tables.assemble import TableContext, assemble_linear
@@ -30,7 +28,8 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
     wood = wood if goal is None else wood.scaled(goal.factor)
     model = beam_model(tree, wood, leaves=options.foliage == "leaf")
     speed_m_s = _design_speed(model, options.design_speed_m_s, tree.height_m)
-    body = Body(model.frequencies_hz[:10].tolist(), wood.name, {"beams": model.beams})
+    frequencies_hz = model.frequencies_hz[:10].tolist()
+    body = Body(frequencies_hz, wood.name, model.streamlined_exponent, {"beams": model.beams})
     of = TableContext(
         model.mass_kg,
         render_mesh(tree, model.embedding, model.axis),
@@ -47,8 +46,8 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
 
 def _design_speed(model: BeamModel, asked_m_s: float, height_m: float) -> float:
     """The requested speed, reduced if its steady pressure would bend the beams too far."""
-    share = model.sway_m(float(dynamic_pressure(asked_m_s))) / height_m
-    return asked_m_s * min(1.0, (MAX_SWAY_SHARE / max(share, 1e-9)) ** (1.0 / STREAMLINED_EXPONENT))
+    share = model.steady_sway_m(asked_m_s) / height_m
+    return asked_m_s * min(1.0, (MAX_SWAY_SHARE / max(share, 1e-9)) ** (1.0 / model.streamlined_exponent))
 
 
 def _oscillators(model: BeamModel, damping_ratio: float, options: BuildOptions) -> Oscillators:
@@ -56,5 +55,8 @@ def _oscillators(model: BeamModel, damping_ratio: float, options: BuildOptions) 
     first_hz = float(model.frequencies_hz[0])
     alpha, beta = rayleigh(damping_ratio, first_hz, options.fem.damping_frequency_ratio)
     damping = np.diag(alpha + beta * omega**2)
-    exposure = Exposure(model.exposed_area_m2, model.sheltered_share, model.wind_profile, model.place_m)
+    exposure = Exposure(
+        model.exposed_area_m2, model.sheltered_share, model.wind_profile, model.streamlined_exponent,
+        model.place_m,
+    )  # fmt: skip
     return Oscillators(omega, damping, model.shapes.reshape(len(omega), -1), model.load, exposure)

@@ -20,17 +20,18 @@ from galewood.tree import TreeMesh
 
 @dataclass(frozen=True)
 class Body:
-    """What a table says of the model it was made from: frequencies, name of the wood, size and identity."""
+    """What a table says of the model it was made from: frequencies, wood, exponent, size and identity."""
 
     frequencies_hz: list[float]
     wood: str
+    streamlined_exponent: float
     identity: dict[str, Any]
 
 
 def body_of(model: FemModel) -> Body:
     """The description of a finite-element model."""
     identity = {"tetrahedra": len(model.elements), "model_sha256": content_hash(model)}
-    return Body(model.report["frequencies_hz"], model.report["wood"], identity)
+    return Body(model.report["frequencies_hz"], model.report["wood"], model.streamlined_exponent, identity)
 
 
 def has_leaves(tree: TreeMesh, options: BuildOptions) -> bool:
@@ -46,6 +47,7 @@ def describe(
         "species": tree.species or "default",
         "foliage": "leaf" if has_leaves(tree, options) else "bare",
         "height_m": tree.height_m,
+        "streamlined_exponent": body.streamlined_exponent,
         "dt_s": options.fem.dt_s,
         "design_speed_m_s": design_speed_m_s,
         "mesh_sha256": hashlib.sha256(render_glb).hexdigest(),

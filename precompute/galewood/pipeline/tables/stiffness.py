@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from galewood.pipeline.tables.expected import STORM_M_S, steady_sway_m
+from galewood.pipeline.tables.expected import STORM_M_S
 from galewood.pipeline.tables.options import BuildOptions
 from galewood.solid.fem import FemModel
 from galewood.solid.model import BeamModel, beam_model
@@ -45,7 +45,7 @@ def goal_of(tree: TreeMesh, wood: Wood, options: BuildOptions) -> Goal | None:
             "The sway of this tree cannot be set, because its wood has no branches.",
             "Set its first frequency instead.",
         )
-    factor = steady_sway_m(beams, STORM_M_S) / ((options.sway or math.inf) * tree.height_m)
+    factor = beams.steady_sway_m(STORM_M_S) / ((options.sway or math.inf) * tree.height_m)
     return Goal(float(beams.frequencies_hz[0]) * math.sqrt(factor), factor)
 
 

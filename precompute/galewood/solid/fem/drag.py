@@ -32,11 +32,16 @@ class DragLoads(NamedTuple):
 class Drag:
     """The drag of a model's nodes; works in place on its own arrays.
 
-    drag_area_m2, exposed_area_m2 (N,) with the wind profile squared; wind_profile (N,) in 0..1.
+    drag_area_m2, exposed_area_m2 (N,) with the wind profile squared; wind_profile (N,) in 0..1; exponent: the
+    streamlined one of the tree.
     """
 
     def __init__(
-        self, drag_area_m2: Floats, exposed_area_m2: Floats | None, wind_profile: Floats | None
+        self,
+        drag_area_m2: Floats,
+        exposed_area_m2: Floats | None,
+        wind_profile: Floats | None,
+        exponent: float,
     ) -> None:
         sheltered = drag_area_m2
         self.exposed_m2 = sheltered if exposed_area_m2 is None else np.maximum(exposed_area_m2, sheltered)
@@ -49,6 +54,7 @@ class Drag:
         self._nodes = np.flatnonzero(self.exposed_m2 > 0).astype(np.int64)
         at = self._nodes
         self._parts = (self.exposed_m2[at], self.share[at], self.profile[at])
+        self._exponent = float(exponent)
         self._loads = DragLoads(np.zeros((len(sheltered), 3)), np.zeros((len(sheltered), 9)))
 
     def at(self, velocity_m_s: Floats, pressure_pa: Floats) -> DragLoads:
@@ -59,7 +65,8 @@ class Drag:
         """
         exposed, share, profile = self._parts
         pressure = np.ascontiguousarray(pressure_pa, np.float64).reshape(-1, 2)
-        _drag(self._nodes, exposed, share, profile, velocity_m_s, pressure, *self._loads)
+        of_tree = (exposed, share, profile, self._exponent)
+        _drag(self._nodes, of_tree, velocity_m_s, pressure, *self._loads)
         return self._loads
 
 
@@ -68,19 +75,20 @@ LEAST_PROFILE = 0.1
 
 
 @numba.njit(cache=True, nogil=True)
-def _drag(nodes, exposed, share, profile, velocity, pressure, force, damping):  # pragma: no cover  (compiled)
+def _drag(nodes, of_tree, velocity, pressure, force, damping):  # pragma: no cover  (compiled)
+    exposed, share, profile, exponent = of_tree
     everywhere = len(pressure) == 1
     for j in range(len(nodes)):
         i = nodes[j]
         px, pz = pressure[0 if everywhere else i]
         wind_pa = math.sqrt(px * px + pz * pz)
         x, z = (px / wind_pa, pz / wind_pa) if wind_pa > 0 else (0.0, 0.0)
-        speed = speed_of_pressure(share[j] * wind_pa)
+        speed = speed_of_pressure(share[j] * wind_pa, exponent)
         wx = speed * x - velocity[i, 0] / profile[j]
         wy = -velocity[i, 1] / profile[j]
         wz = speed * z - velocity[i, 2] / profile[j]
         relative = math.sqrt(wx * wx + wy * wy + wz * wz)
-        per_speed, growth = pressure_per_speed(relative)
+        per_speed, growth = pressure_per_speed(relative, exponent)
         across = exposed[j] * per_speed
         force[i, 0], force[i, 1], force[i, 2] = across * wx, across * wy, across * wz
         # p(w) = per_speed w, and p grows with the power `growth` of the speed:

@@ -24,7 +24,7 @@ class FemModel:
     given shape is unstrained. exposed_area_m2 (N,) is the drag area without shelter and wind_profile (N,) the
     wind speed at the nodes over that at the top (`drag.py`); None: no shelter, the same speed everywhere.
     foundation_n_m (N,) N/m are springs between the nodes and the ground (`foundation.py`); None: `fixed` is
-    clamped.
+    clamped. streamlined_exponent: the wind's pressure grows with this power of its speed above 5 m/s.
     """
 
     nodes_m: Floats
@@ -40,6 +40,7 @@ class FemModel:
     vertex_count: int
     alpha: float
     beta: float
+    streamlined_exponent: float
     settings: FemSettings
     report: dict[str, Any]
     strain_m: Floats | None = None
@@ -57,7 +58,7 @@ class FemModel:
         exposed, profile = (
             None if array is None else array[order] for array in (self.exposed_area_m2, self.wind_profile)
         )
-        return Drag(self.drag_area_m2[order], exposed, profile)
+        return Drag(self.drag_area_m2[order], exposed, profile, self.streamlined_exponent)
 
 
 _ARRAYS = (
@@ -82,6 +83,7 @@ def save_model(model: FemModel, path: Path) -> None:
         "vertex_count": model.vertex_count,
         "alpha": model.alpha,
         "beta": model.beta,
+        "streamlined_exponent": model.streamlined_exponent,
         "settings": asdict(model.settings),
         "report": model.report,
     }

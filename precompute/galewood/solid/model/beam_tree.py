@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 from scipy.spatial import KDTree
 
+from galewood.motion.wind import dynamic_pressure
 from galewood.solid.beams import Frame, frame_modes, joined_frame
 from galewood.solid.fem import LEAST_PROFILE
 from galewood.solid.model.construction import STIFFNESS_FLOOR
@@ -39,7 +40,8 @@ class BeamModel:
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
     Pa of wind along x and z. ``embedding`` (v, 4n) moves the render vertices with the particles. The next
     three (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile;
-    ``place_m`` (4n, 3) is where the points rest. What is drawn follows the ``axis``.
+    ``place_m`` (4n, 3) is where the points rest. The wind's pressure grows with the power
+    ``streamlined_exponent`` of its speed above 5 m/s. What is drawn follows the ``axis``.
     """
 
     frequencies_hz: Floats
@@ -52,10 +54,15 @@ class BeamModel:
     sheltered_share: Floats
     wind_profile: Floats
     place_m: Floats
+    streamlined_exponent: float
     axis: Axis
 
+    def steady_sway_m(self, wind_m_s: float) -> float:
+        """Largest displacement in a steady wind along x or z, m, for a linear response."""
+        return self.sway_m(float(dynamic_pressure(wind_m_s, self.streamlined_exponent)))
+
     def sway_m(self, pressure_pa: float) -> float:
-        """Largest displacement under a steady wind along x or z, m, for a linear response."""
+        """Largest displacement under a steady pressure along x or z, m, for a linear response."""
         still = self.load / (2 * np.pi * self.frequencies_hz[:, None]) ** 2
         bent = pressure_pa * np.einsum("kd,kni->dni", still, self.shapes)
         return float(np.linalg.norm(bent, axis=2).max())
@@ -106,6 +113,7 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
         np.repeat(crown.drag_area_m2 / np.maximum(crown.exposed_area_m2, 1e-12), 4),
         np.repeat(np.maximum(crown.wind_profile, LEAST_PROFILE), 4),
         np.repeat(frame.points_m, 4, axis=0),
+        crown.streamlined_exponent,
         axis_of_frame(frame, arm_m),
     )
 

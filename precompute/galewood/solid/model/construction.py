@@ -59,7 +59,7 @@ class SkeletonLike(Protocol):
 class LumpedMassesLike(Protocol):
     """The part of LumpedMasses used here: added mass and that of its leaves (n,) kg, drag area (n,) m², fixed
     vertices (k,), exposed area (n,) m² or None (no shelter), wind profile (n,) or None (the wind of the top
-    everywhere).
+    everywhere), and the power of the wind speed with which the pressure grows above 5 m/s.
     """
 
     @property
@@ -74,6 +74,8 @@ class LumpedMassesLike(Protocol):
     def exposed_area_m2(self) -> Floats | None: ...
     @property
     def wind_profile(self) -> Floats | None: ...
+    @property
+    def streamlined_exponent(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -169,6 +171,7 @@ def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, el
         vertex_count=count,
         alpha=0.0,
         beta=0.0,
+        streamlined_exponent=lumped.streamlined_exponent,
         settings=replace(settings, element=element),
         report={},
         exposed_area_m2=_at_nodes(lumped.exposed_area_m2, len(nodes)),

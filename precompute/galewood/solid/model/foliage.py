@@ -18,6 +18,7 @@ from galewood.solid.skinning import LARGEST_RIGID_PIECE, leading_vertices, neare
 from galewood.solid.tets import TetMesh, tet_volumes
 from galewood.tree import RenderPrimitive, TreeMesh
 from galewood.util import Floats, Int32s
+from galewood.wood import BARE_EXPONENT
 
 LEAF_MASS_KG_M2 = 0.2  # fresh leaf including its petiole, per one-sided area
 MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
@@ -35,6 +36,8 @@ class WoodLike(Protocol):
     def density_kg_m3(self) -> float: ...
     @property
     def drag_coefficient(self) -> float: ...
+    @property
+    def streamlined_exponent(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class LumpedMasses:
     The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter;
     both include the height profile of the pressure, whose root is wind_profile (`galewood.solid.fem.drag`).
     leaf_mass_kg (n,) is the leaves' part of the mass, the rest is twigs; empty: there are no leaves.
+    streamlined_exponent is that of the pressure over the wind speed above 5 m/s.
     """
 
     mass_kg: Floats
@@ -53,6 +57,7 @@ class LumpedMasses:
     exposed_area_m2: Floats | None = None
     wind_profile: Floats | None = None
     leaf_mass_kg: Floats = field(default_factory=lambda: np.zeros(0))
+    streamlined_exponent: float = BARE_EXPONENT
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,7 @@ class CrownLoads:
     wind_profile: Floats
     report: dict[str, Any]
     leaf_mass_kg: Floats
+    streamlined_exponent: float
 
 
 def without_leaves(tree: TreeMesh) -> TreeMesh:
@@ -90,7 +96,9 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = T
     report = crown.report | twigs.report | {"clamped_lowest_share": CLAMPED_SHARE}
     areas = (crown.exposed_area_m2, crown.wind_profile)
     mass = crown.mass_kg + twigs.mass_kg
-    return LumpedMasses(mass, crown.drag_area_m2, fixed, report, *areas, crown.leaf_mass_kg)
+    return LumpedMasses(
+        mass, crown.drag_area_m2, fixed, report, *areas, crown.leaf_mass_kg, crown.streamlined_exponent
+    )
 
 
 def crown_loads(
@@ -119,6 +127,8 @@ def crown_loads(
     silhouette = silhouette_area(*_triangles(tree))
     projected = RANDOM_PROJECTION * leaf_area + CONVEX_PROJECTION * wood_area
     frontal = projected * (silhouette / max(float(projected.sum()), 1e-300))
+    leafy = any(primitive.kind == "leaves" for primitive in tree.primitives)
+    exponent = wood.streamlined_exponent if leafy else BARE_EXPONENT
     profile = np.clip(height_m / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
     exposed = LEAF_DRAG_COEFFICIENT * leaf_area + wood.drag_coefficient * CONVEX_PROJECTION * wood_area
     return CrownLoads(
@@ -137,8 +147,10 @@ def crown_loads(
             "leaf_drag_coefficient": LEAF_DRAG_COEFFICIENT,
             "exposed_drag_area_m2": float((exposed * profile).sum()),
             "profile_exponent": PROFILE_EXPONENT,
+            "streamlined_exponent": exponent,
         },
         leaf_mass,
+        exponent,
     )
 
 

@@ -10,6 +10,7 @@ from galewood.pipeline.reduction.oscillators import oscillators_of, propagators
 from galewood.pipeline.reduction.wind_scale import speeds_for
 from galewood.pipeline.sampling import training_shapes
 from galewood.solid.fem import Drag, Simulator
+from galewood.wood import BARE_EXPONENT
 
 SEED = 20_411
 
@@ -23,29 +24,31 @@ def random_nodes(count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
 
 def test_the_steady_force_is_that_of_the_silhouette_whatever_the_exposed_area() -> None:
     area, exposed, profile, velocity = random_nodes()
-    for speed_m_s in (0.0, 2.0, 9.0, 40.0):
-        wind = float(dynamic_pressure(speed_m_s)) * np.array([0.6, -0.8])
-        force = Drag(area, exposed, profile).at(0 * velocity, wind).force_n
+    for speed_m_s, exponent in ((0.0, 1.3), (2.0, 1.3), (9.0, 1.3), (40.0, 1.3), (40.0, 1.64), (40.0, 2.0)):
+        wind = float(dynamic_pressure(speed_m_s, exponent)) * np.array([0.6, -0.8])
+        force = Drag(area, exposed, profile, exponent).at(0 * velocity, wind).force_n
         np.testing.assert_allclose(force[:, [0, 2]], area[:, None] * wind, rtol=1e-12, atol=1e-12)
         assert not force[:, 1].any()
 
 
-def test_without_shelter_the_force_is_the_pressure_of_the_relative_velocity() -> None:
+@pytest.mark.parametrize("exponent", [1.3, 1.64, 2.0])
+def test_without_shelter_the_force_is_the_pressure_of_the_relative_velocity(exponent: float) -> None:
     area, _, _, velocity = random_nodes()
     wind_m_s = np.array([7.0, 0.0, -3.0])
-    pressure = float(dynamic_pressure(np.linalg.norm(wind_m_s))) * wind_m_s / np.linalg.norm(wind_m_s)
-    force = Drag(area, None, None).at(velocity, pressure[[0, 2]]).force_n
+    speed_m_s = np.linalg.norm(wind_m_s)
+    pressure = float(dynamic_pressure(speed_m_s, exponent)) * wind_m_s / speed_m_s
+    force = Drag(area, None, None, exponent).at(velocity, pressure[[0, 2]]).force_n
     relative = wind_m_s - velocity
     size = np.linalg.norm(relative, axis=1)
-    expected = (area * dynamic_pressure(size) / size)[:, None] * relative
+    expected = (area * dynamic_pressure(size, exponent) / size)[:, None] * relative
     np.testing.assert_allclose(force, expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("speed_m_s", [0.0, 3.0, 20.0])
-def test_the_damping_is_minus_the_derivative_of_the_force(speed_m_s: float) -> None:
+@pytest.mark.parametrize(("speed_m_s", "exponent"), [(0.0, 1.3), (3.0, 1.3), (20.0, 1.3), (20.0, 2.0)])
+def test_the_damping_is_minus_the_derivative_of_the_force(speed_m_s: float, exponent: float) -> None:
     area, exposed, profile, velocity = random_nodes()
-    drag = Drag(area, exposed, profile)
-    wind = float(dynamic_pressure(speed_m_s)) * np.array([0.8, 0.6])
+    drag = Drag(area, exposed, profile, exponent)
+    wind = float(dynamic_pressure(speed_m_s, exponent)) * np.array([0.8, 0.6])
     damping = drag.at(velocity, wind).damping.reshape(-1, 3, 3).copy()
     step = 1e-6
     for axis in range(3):
@@ -55,6 +58,17 @@ def test_the_damping_is_minus_the_derivative_of_the_force(speed_m_s: float) -> N
         change = drag.at(ahead, wind).force_n.copy() - drag.at(behind, wind).force_n
         np.testing.assert_allclose(-change / (2 * step), damping[:, :, axis], rtol=1e-5, atol=1e-6)
     np.testing.assert_array_less(0.0, np.linalg.eigvalsh(damping))
+
+
+def test_the_drag_of_bare_wood_grows_with_the_square_of_the_wind() -> None:
+    pole = replace(loaded_pole(), drag_area_m2=np.full(len(loaded_pole().nodes_m), 0.1))
+    assert pole.streamlined_exponent == BARE_EXPONENT == 2.0
+    drag, still = pole.drag(), np.zeros_like(pole.nodes_m)
+    load_n = [
+        drag.at(still, np.array([dynamic_pressure(speed, pole.streamlined_exponent), 0.0])).force_n.sum()
+        for speed in (4.0, 8.0, 16.0, 32.0)
+    ]
+    np.testing.assert_allclose(np.array(load_n) / load_n[0], [1.0, 4.0, 16.0, 64.0], rtol=1e-12)
 
 
 def test_a_plate_on_a_spring_follows_the_exact_solution() -> None:
@@ -87,7 +101,7 @@ def test_training_winds_cause_the_required_sway() -> None:
     model = replace(pole, drag_area_m2=area, exposed_area_m2=4 * area)
     height_m = float(np.ptp(model.nodes_m[:, 1]))
     first_hz = float(model.report["frequencies_hz"][0])
-    shapes = training_shapes(first_hz, model.settings.dt_s, count=5)
+    shapes = training_shapes(first_hz, model.settings.dt_s, model.streamlined_exponent, count=5)
     mass_kg = model.mass_kg[: model.vertex_count]
     speeds = speeds_for(shapes, oscillators_of(model, 40), mass_kg, height_m, model.settings)
     for shape, speed in zip(shapes, speeds.tolist(), strict=True):

@@ -12,7 +12,7 @@ from galewood.solid.model.silhouette import silhouette_area
 from tests.precompute.fixtures import tree_meshes as make
 from tests.precompute.fixtures.tet_meshes import leaf_cards, y_mesh, y_tree_mesh
 
-WOOD: Any = SimpleNamespace(density_kg_m3=900.0, drag_coefficient=0.5)
+WOOD: Any = SimpleNamespace(density_kg_m3=900.0, drag_coefficient=0.5, streamlined_exponent=1.64)
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +63,8 @@ def test_leaves_that_are_left_out_load_nothing(mesh):
     wood = replace(y_tree_mesh(), height_m=whole.height_m)
     left_out, without = bind_foliage(whole, mesh, WOOD, leaves=False), bind_foliage(wood, mesh, WOOD)
     in_leaf = bind_foliage(whole, mesh, WOOD)
+    assert (in_leaf.streamlined_exponent, left_out.streamlined_exponent) == (1.64, 2.0)
+    assert without.streamlined_exponent == 2.0
     leaves_kg = in_leaf.report["leaf_mass_kg"]
     assert left_out.report["leaf_mass_kg"] == 0 < leaves_kg
     assert left_out.mass_kg.sum() == pytest.approx(in_leaf.mass_kg.sum() - leaves_kg)

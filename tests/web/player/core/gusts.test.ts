@@ -42,7 +42,7 @@ function* play(frames: number, motion: LocalMotion, each: (frame: number) => voi
 }
 
 test("gusts within crowns agree with Python to 1e-9", () => {
-  const gusts = new CrownGusts();
+  const gusts = new CrownGusts(TABLE.metadata.streamlined_exponent);
   gusts.set(new WindField(GOLDEN.winds[0]).at(7.25));
   const { x_m, z_m, yaw_rad, scale } = GOLDEN.trees;
   const yaw = yaw_rad.map(Math.fround);

@@ -28,7 +28,7 @@ function walk({ pose_easing, trees, records, poses }: Walk): void {
   const every = Math.ceil(records.length / poses.length);
   for (let frame = 0; frame < records.length; frame++) {
     const wind = frame < 150 ? STRONG : frame < 280 ? TURNED : STILL;
-    windPressure(wind, trees.x_m, trees.z_m, frame / 30, px, pz);
+    windPressure(wind, trees.x_m, trees.z_m, frame / 30, px, pz, TABLE.metadata.streamlined_exponent);
     forest.advance(1 / 30, px, pz);
     expect(Array.from(forest.record), `records of frame ${frame}`).toEqual(records[frame]);
     if (frame % every === 0) {

@@ -43,6 +43,7 @@ function madeUp(d: number, c: number, r: number, m: number, next: () => number):
     dragPoint: Float32Array.from({ length: 2 * m }, (_, at) => (at % 2 ? 1 : 3) * next()),
     dragShape: some(3 * m * d, 0.2),
     dragRest: Float32Array.from({ length: d }, () => 0.05 * next()),
+    streamlinedExponent: 1 + next(),
   };
   return { ...POLE, modal, gusts: NO_GUSTS, metadata: { ...POLE.metadata, modes: r } };
 }

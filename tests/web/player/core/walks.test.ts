@@ -30,7 +30,7 @@ function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
   const pz = new Float64Array(count);
   const records = createHash("sha256");
   for (let frame = 0; frame < frames; frame++) {
-    field.pressure(trees.x_m, trees.z_m, field.at(frame / 30), px, pz);
+    field.pressure(trees.x_m, trees.z_m, field.at(frame / 30), px, pz, TABLE.metadata.streamlined_exponent);
     // Rounded as in Python, so that the last bit of a velocity does not change a record.
     for (const p of [px, pz]) p.forEach((pa, i) => p.fill(Math.floor(pa * steps_per_pa + 0.5) / steps_per_pa, i, i + 1));
     paper.advance(1 / 30, px, pz);

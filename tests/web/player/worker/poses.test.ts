@@ -135,8 +135,8 @@ test.each([
 ])("wind of a group: speed at each tree's height, %s pressure, share within the sampled range", (_, clamps) => {
   const placement = Float32Array.of(0, 0, 0, 1, 5, 3, 1, 1.3);
   const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
-  const peak_pa = dynamicPressure(7);
-  const wind = new GroupWind(placement, 10, peak_pa, clamps);
+  const peak_pa = dynamicPressure(7, 1.64);
+  const wind = new GroupWind(placement, 10, peak_pa, 1.64, clamps);
   wind.update(field, field.at(3));
   const out = new Float32Array(2 * poseStride(3));
   wind.writeSpeeds(out, 3);
@@ -144,10 +144,10 @@ test.each([
   field.velocity(Float32Array.of(0, 5), Float32Array.of(0, 3), field.at(3), velocityX, velocityZ);
   expect(out[3]).toBeGreaterThan(0);
   expect(out[7]).toBeGreaterThanOrEqual(out[3]);
-  expect(wind.extrapolationRatioAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);
+  expect(wind.extrapolationRatioAt(0)).toBeCloseTo(dynamicPressure(out[3], 1.64) / peak_pa, 6);
   for (const tree of [0, 1]) {
     const held = Math.hypot(wind.pressureX[tree], wind.pressureZ[tree]);
-    const felt = dynamicPressure(out[4 * tree + 3]);
+    const felt = dynamicPressure(out[4 * tree + 3], 1.64);
     expect(held).toBeCloseTo(clamps ? Math.min(peak_pa, felt) : peak_pa * compressed(felt / peak_pa), 3);
     expect(Math.atan2(wind.pressureZ[tree], wind.pressureX[tree])).toBeCloseTo(
       Math.atan2(velocityZ[tree], velocityX[tree]),

@@ -8,11 +8,6 @@ export const HALF_AIR_DENSITY_KG_M3 = 0.6;
 export const STREAMLINING_SPEED_M_S = 5;
 /** Dynamic pressure at the streamlining speed [Pa]. */
 export const STREAMLINING_PRESSURE_PA = 15;
-/**
- * Exponent of the pressure above that speed: 2 + Vogel exponent (−0.7), the middle of the range reported by
- * wind-tunnel tests of broad-leaved crowns.
- */
-export const STREAMLINED_EXPONENT = 1.3;
 /** Pressures beyond the sampled range are compressed: 2 times the range to 1.40, 5 times to 1.71. */
 export const PRESSURE_COMPRESSION = 0.25;
 
@@ -327,6 +322,7 @@ export const TABLE_RANGES = {
   height_m: [0.01, 1000],
   dt_s: [0.0001, 1],
   design_speed_m_s: [0, 100],
+  streamlined_exponent: [1, 2],
   peak_pressure_pa: [0, 1e9],
   reach_m: [0, 10000],
 } as const;

@@ -87,9 +87,9 @@ function makeSource(
   }
   const groups = plan.groups.map((group) => {
     const table = store.table(group.table);
-    const { height_m, peak_pressure_pa: sampledPeak_pa } = table.metadata;
+    const { height_m, peak_pressure_pa: sampledPeak_pa, streamlined_exponent: streamlined } = table.metadata;
     const pulledTable = { sha256: group.table, table, compliance: group.compliance };
-    return { ...group, scale: table.modeScale, height_m, sampledPeak_pa, pulledTable };
+    return { ...group, scale: table.modeScale, height_m, sampledPeak_pa, streamlined, pulledTable };
   });
   const { poseEasing, share } = plan;
   const method = streamMethod(plan.method, plan.groups);

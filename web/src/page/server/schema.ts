@@ -425,6 +425,8 @@ export interface Schemas {
     damping_ratio?: number | null;
     /** Relative to the frontal area of the tree. */
     drag_coefficient?: number | null;
+    /** Power of the wind speed with which the load grows above 5 m/s, in leaf. */
+    streamlined_exponent?: number | null;
     /** Source of the data. */
     source?: string;
   };
@@ -432,7 +434,7 @@ export interface Schemas {
   WoodSpeciesList: {
     species: Schemas["WoodSpeciesOut"][];
   };
-  /** A wood species: Young's modulus along the fibre, density, damping ratio and drag coefficient. */
+  /** A wood species: Young's modulus along the fibre, density, damping, drag and streamlining in leaf. */
   WoodSpeciesOut: {
     id: string;
     name: string;
@@ -440,6 +442,7 @@ export interface Schemas {
     density_kg_m3: number;
     damping_ratio: number;
     drag_coefficient: number;
+    streamlined_exponent: number;
     source: string;
   };
   /** Problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users. */

@@ -177,8 +177,9 @@ export class FarTrees {
     if (!this.sway) return;
     this.setHeights(motion.height_m, wind.height_exponent, wind.reference_height_m);
     this.before.set(this.sway.tips);
-    field.pressure(this.x, this.z, moment, this.pressureX, this.pressureZ, this.factor);
-    this.sway.advance(dt_s, this.pressureX, this.pressureZ, wind.mean_speed_m_s);
+    const { x, z, pressureX, pressureZ, factor } = this;
+    field.pressure(x, z, moment, pressureX, pressureZ, motion.sway.streamlined, factor);
+    this.sway.advance(dt_s, pressureX, pressureZ, wind.mean_speed_m_s);
     if (!cards) return;
     this.writeBend(cards.seen, this.seen, cards.seen.count);
     cards.seen.moved();

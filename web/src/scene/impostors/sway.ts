@@ -37,9 +37,9 @@ function softened(push_m: number, most_m: number): number {
  * Damping ratio of the air: drag K (U - v)² on a body of stiffness k that it bends by x = K U² / k opposes the motion by
  * 2 K U v, hence a ratio of ω x / U.
  */
-export function airDamping({ frequency_hz, tip_m_pa }: FirstSway, speed_m_s: number): number {
+export function airDamping({ frequency_hz, tip_m_pa, streamlined }: FirstSway, speed_m_s: number): number {
   if (speed_m_s < 1e-3) return 0;
-  return (2 * Math.PI * frequency_hz * tip_m_pa * dynamicPressure(speed_m_s)) / speed_m_s;
+  return (2 * Math.PI * frequency_hz * tip_m_pa * dynamicPressure(speed_m_s, streamlined)) / speed_m_s;
 }
 
 export class Sway {

@@ -10,9 +10,9 @@ export type Trees = SteppedTrees<ModalForest>;
 
 /** `placement`: x, z, yaw, scale of each tree. */
 export function treesOf(table: Table, placement: Float32Array): Trees {
-  const { height_m, modes } = table.metadata;
+  const { height_m, modes, streamlined_exponent } = table.metadata;
   const count = placement.length / 4;
-  const wind = new GroupWind(placement, height_m, table.modal.limits[2]);
+  const wind = new GroupWind(placement, height_m, table.modal.limits[2], streamlined_exponent);
   return new SteppedTrees(new ModalForest(table, count), new GustLayer(table, count), wind, modes);
 }
 

@@ -29,12 +29,15 @@ export class GustLayer {
   private readonly moving: Uint8Array;
   private readonly gusts: Float64Array;
   private readonly local: Float64Array;
-  private readonly field = new CrownGusts();
+  private readonly exponent: number;
+  private readonly field: CrownGusts;
 
   constructor({ gusts, metadata }: Table, count: number) {
     const oscillators = gusts.drag.length;
     this.oscillators = oscillators;
     this.first = metadata.modes - oscillators;
+    this.exponent = metadata.streamlined_exponent;
+    this.field = new CrownGusts(this.exponent);
     this.step = Float64Array.from(gusts.step);
     this.load = Float64Array.from(gusts.load);
     this.drag = Float64Array.from(gusts.drag);
@@ -108,7 +111,7 @@ export class GustLayer {
       local[g] = gusts[g] * x - gusts[g + 1] * z;
       local[g + 1] = gusts[g] * z + gusts[g + 1] * x;
     }
-    const perSpeed = strength > 0 ? strength / speedOfPressure_m_s(strength) : 0;
+    const perSpeed = strength > 0 ? strength / speedOfPressure_m_s(strength, this.exponent) : 0;
     const small = share === 0 ? FADED_MOTION_M : strength === 0 ? GUST_LAYER_REST : 0;
     for (let n = Math.min(steps, MAX_STEPS_PER_ADVANCE); n > 0; n--) this.stepTree(i, perSpeed, small);
   }

@@ -18,7 +18,7 @@ type Tensor =
   | DragTensor;
 type State = "e" | "v" | "now" | "before" | "extrapolationRatio";
 type Place = Tensor | State | "terms" | "ahead" | "total" | "dragForce";
-type Setting = "halfStep_s" | "coupled" | "ownRow" | "furtherRow" | "dragPoints" | "dragInputs";
+type Setting = "halfStep_s" | "exponent" | "coupled" | "ownRow" | "furtherRow" | "dragPoints" | "dragInputs";
 type Step = (tree: number, px: number, pz: number) => void;
 type Exports = Record<Place | Setting | "constantsEnd", WebAssembly.Global> & { step: Step };
 
@@ -156,6 +156,7 @@ export class ModalKernel {
     });
     for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
     kernel.halfStep_s.value = dt_s / 2;
+    kernel.exponent.value = modal.streamlinedExponent;
     kernel.coupled.value = coupledOf(modal.limits.length);
     kernel.dragPoints.value = given.dragPoint.length / 3;
     kernel.dragInputs.value = dragInputs(d);

@@ -23,6 +23,8 @@ export interface ModalTensors {
   readonly dragShape: Float32Array;
   /** [d] area of the motion within the points */
   readonly dragRest: Float32Array;
+  /** Power of the wind speed with which the pressure grows above 5 m/s */
+  readonly streamlinedExponent: number;
 }
 
 /** Number of oscillators whose speed determines the velocity of the drag points: the first half, but not too few. */

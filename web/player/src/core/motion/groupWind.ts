@@ -26,13 +26,15 @@ export class GroupWind {
   private reference_m = 1;
 
   /**
-   * `placement`: x, z, yaw, scale of each tree; `height_m`: height of a tree of scale 1. Pressures beyond the sampled
-   * peak are compressed, or clamped to it for the paper's state search, whose records end there.
+   * `placement`: x, z, yaw, scale of each tree; `height_m`: height of a tree of scale 1; `streamlined`: exponent of the
+   * pressure (`dynamicPressure`). Pressures beyond the sampled peak are compressed, or clamped to it for the paper's
+   * state search, whose records end there.
    */
   constructor(
     readonly placement: Float32Array,
     private readonly height_m: number,
     private readonly sampledPeak_pa: number,
+    private readonly streamlined: number,
     private readonly clamps = false,
   ) {
     this.count = placement.length / 4;
@@ -55,7 +57,8 @@ export class GroupWind {
     this.setProfile(wind.height_exponent, wind.reference_height_m);
     this.gust_m_s = wind.mean_speed_m_s * (1 + wind.gustiness);
     field.velocity(this.x, this.z, moment, this.velocityX, this.velocityZ);
-    pressureOfVelocity(this.velocityX, this.velocityZ, this.pressureX, this.pressureZ, this.factor);
+    const { velocityX, velocityZ, pressureX, pressureZ, streamlined, factor } = this;
+    pressureOfVelocity(velocityX, velocityZ, pressureX, pressureZ, streamlined, factor);
     this.limit();
   }
 
@@ -65,7 +68,7 @@ export class GroupWind {
     const most = sampledPeak_pa * sampledPeak_pa;
     // Whether the strongest gusts of this wind exceed the range somewhere: then pressures within it are scaled, too.
     const tallest = factor.reduce((a, b) => Math.max(a, b), 0);
-    const gusty = !this.clamps && dynamicPressure(this.gust_m_s * tallest) > sampledPeak_pa;
+    const gusty = !this.clamps && this.pressure_pa(this.gust_m_s * tallest) > sampledPeak_pa;
     let beyond = 0;
     let strongest = 0;
     for (let tree = 0; tree < this.count; tree++) {
@@ -89,12 +92,16 @@ export class GroupWind {
   /** Factor of the pressure at a tree, which is `ratio` times the sampled peak. */
   private shareAt(tree: number, ratio: number): number {
     if (this.clamps) return ratio > 1 ? 1 / ratio : 1;
-    return compression(ratio, dynamicPressure(this.gust_m_s * this.factor[tree]) / this.sampledPeak_pa);
+    return compression(ratio, this.pressure_pa(this.gust_m_s * this.factor[tree]) / this.sampledPeak_pa);
   }
 
   /** Pressure at one tree relative to the sampled maximum. */
   extrapolationRatioAt(tree: number): number {
-    return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
+    return this.pressure_pa(this.speed_m_s[tree]) / this.sampledPeak_pa;
+  }
+
+  private pressure_pa(speed_m_s: number): number {
+    return dynamicPressure(speed_m_s, this.streamlined);
   }
 
   /** Wind speed grows with height. */

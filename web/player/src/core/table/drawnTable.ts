@@ -25,6 +25,8 @@ export interface FirstSway {
   readonly damping: number;
   /** Static displacement of the tip per Pa of wind pressure. */
   readonly tip_m_pa: number;
+  /** Exponent of the pressure over the wind speed (`dynamicPressure`). */
+  readonly streamlined: number;
 }
 
 /** The part of a table by which trees are drawn, unpacked by the worker. */

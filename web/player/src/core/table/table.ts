@@ -55,6 +55,8 @@ export interface TableMetadata {
   readonly modes: number;
   readonly primitives: readonly Primitive[];
   readonly design_speed_m_s: number;
+  /** Power of the wind speed with which the pressure on the tree grows above 5 m/s. */
+  readonly streamlined_exponent: number;
   /** Largest dynamic pressure of the winds that the table was made from. */
   readonly peak_pressure_pa: number;
   /** Largest displacement of any part of the tree, with a margin. */
@@ -152,6 +154,7 @@ function assemble(tensors: Tensors, metadata: TableMetadata, paper: Records | nu
       dragPoint: values("modal.drag_point"),
       dragShape: values("modal.drag_shape"),
       dragRest: values("modal.drag_rest"),
+      streamlinedExponent: metadata.streamlined_exponent,
     },
     gusts: {
       place: values("gusts.place"),

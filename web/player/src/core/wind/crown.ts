@@ -15,7 +15,6 @@ import {
   CROWN_SLANT,
   CROWN_WAVES,
   HASH_TURN_RAD,
-  STREAMLINED_EXPONENT,
   STREAMLINING_PRESSURE_PA,
 } from "../constants";
 import type { Places } from "./frame";
@@ -73,6 +72,9 @@ export class CrownGusts {
   private distance_m = 0;
   private intensity = 0;
 
+  /** `exponent`: that of the trees (`dynamicPressure`). */
+  constructor(private readonly exponent: number) {}
+
   set({ wind, travel, crown }: Moment): void {
     const heading = (wind.direction_deg * Math.PI) / 180;
     this.cos = Math.cos(heading);
@@ -99,7 +101,7 @@ export class CrownGusts {
       out.fill(0);
       return;
     }
-    const growth = pressure_pa > STREAMLINING_PRESSURE_PA ? STREAMLINED_EXPONENT : 2;
+    const growth = pressure_pa > STREAMLINING_PRESSURE_PA ? this.exponent : 2;
     const size = trees.size[i];
     const c = trees.turn[2 * i];
     const s = trees.turn[2 * i + 1];

@@ -71,12 +71,20 @@ export class WindField {
 
   /**
    * Writes the pressure (Pa, world x and z) at each position; exactly 0 in still air.
-   * `factor`: wind speed at the height of each position relative to the reference height (`heightFactor`).
+   * `exponent`: that of the trees (`dynamicPressure`). `factor`: wind speed at the height of each position relative to the reference height (`heightFactor`).
    */
-  pressure(x: Places, z: Places, moment: Moment, outX: Output, outZ: Output, factor?: Places): void {
+  pressure(
+    x: Places,
+    z: Places,
+    moment: Moment,
+    outX: Output,
+    outZ: Output,
+    exponent: number,
+    factor?: Places,
+  ): void {
     const [, , workX, workZ] = this.buffers(outX.length);
     this.velocity(x, z, moment, workX, workZ);
-    pressureOfVelocity(workX, workZ, outX, outZ, factor);
+    pressureOfVelocity(workX, workZ, outX, outZ, exponent, factor);
   }
 
   private buffers(count: number): Float64Array[] {

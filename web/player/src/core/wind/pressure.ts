@@ -2,29 +2,31 @@
 import {
   HALF_AIR_DENSITY_KG_M3,
   PRESSURE_COMPRESSION,
-  STREAMLINED_EXPONENT,
   STREAMLINING_PRESSURE_PA,
   STREAMLINING_SPEED_M_S,
 } from "../constants";
 import type { Output, Places } from "./frame";
 
-/** Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, growing as U^1.3 beyond (streamlining). */
-export function dynamicPressure(speedMS: number): number {
+/**
+ * Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, growing as U^exponent beyond (streamlining). Here and below
+ * `exponent` is `streamlined_exponent` of the tree's table, 1 … 2; at 2 the law is one parabola.
+ */
+export function dynamicPressure(speedMS: number, exponent: number): number {
   if (speedMS <= STREAMLINING_SPEED_M_S) return HALF_AIR_DENSITY_KG_M3 * speedMS * speedMS;
-  return STREAMLINING_PRESSURE_PA * (speedMS / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT;
+  return STREAMLINING_PRESSURE_PA * (speedMS / STREAMLINING_SPEED_M_S) ** exponent;
 }
 
 /** Inverse of `dynamicPressure`: the speed (m/s) of a dynamic pressure (Pa). */
-export function speedOfPressure_m_s(pressure_pa: number): number {
+export function speedOfPressure_m_s(pressure_pa: number, exponent: number): number {
   if (pressure_pa <= STREAMLINING_PRESSURE_PA) return Math.sqrt(pressure_pa / HALF_AIR_DENSITY_KG_M3);
-  return STREAMLINING_SPEED_M_S * (pressure_pa / STREAMLINING_PRESSURE_PA) ** (1 / STREAMLINED_EXPONENT);
+  return STREAMLINING_SPEED_M_S * (pressure_pa / STREAMLINING_PRESSURE_PA) ** (1 / exponent);
 }
 
 /** Pressure (Pa) over speed (m/s). */
-export function pressurePerSpeed(speedMS: number): number {
+export function pressurePerSpeed(speedMS: number, exponent: number): number {
   if (speedMS <= STREAMLINING_SPEED_M_S) return HALF_AIR_DENSITY_KG_M3 * speedMS;
   const start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S;
-  return start * (speedMS / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1);
+  return start * (speedMS / STREAMLINING_SPEED_M_S) ** (exponent - 1);
 }
 
 /** Converts velocities (m/s), multiplied by the height factor if given, to pressure vectors (Pa). */
@@ -33,13 +35,14 @@ export function pressureOfVelocity(
   velocityZ: Float64Array,
   outX: Output,
   outZ: Output,
+  exponent: number,
   factor?: Places,
 ): void {
   for (let i = 0; i < outX.length; i++) {
     const f = factor ? factor[i] : 1;
     const vx = velocityX[i] * f;
     const vz = velocityZ[i] * f;
-    const perSpeed = pressurePerSpeed(Math.sqrt(vx * vx + vz * vz));
+    const perSpeed = pressurePerSpeed(Math.sqrt(vx * vx + vz * vz), exponent);
     outX[i] = perSpeed * vx;
     outZ[i] = perSpeed * vz;
   }

@@ -50,7 +50,7 @@ export class LocalMotion implements MotionSource {
     this.hands = new HeldTrees(this, responses);
     this.groups = groups.map((group) => {
       const { table, records, placement } = group;
-      const { height_m, peak_pressure_pa, modes } = table.metadata;
+      const { height_m, peak_pressure_pa, modes, streamlined_exponent } = table.metadata;
       const count = placement.length / 4;
       const options = poseEasing === null ? {} : { poseEasing };
       const lookup =
@@ -59,7 +59,7 @@ export class LocalMotion implements MotionSource {
           : new ModalForest(table, count);
       const modal = lookup instanceof ModalForest;
       const peak_pa = modal ? table.modal.limits[2] : peak_pressure_pa;
-      const wind = new GroupWind(placement, height_m, peak_pa, !modal);
+      const wind = new GroupWind(placement, height_m, peak_pa, streamlined_exponent, !modal);
       const gusts = modal ? new GustLayer(table, count) : null;
       return { group, trees: new SteppedTrees(lookup, gusts, wind, modes) };
     });

@@ -26,6 +26,8 @@ export interface StreamGroup {
   readonly placement: Float32Array;
   readonly height_m: number;
   readonly sampledPeak_pa: number;
+  /** Exponent of the pressure (`dynamicPressure`). */
+  readonly streamlined: number;
   readonly pulledTable: PulledTable;
 }
 
@@ -70,7 +72,8 @@ export class StreamMotion implements MotionSource {
       groups.map(({ scale, placement }) => (placement.length / 4) * poseStride(scale.length)),
     );
     this.winds = groups.map(
-      ({ placement, height_m, sampledPeak_pa }) => new GroupWind(placement, height_m, sampledPeak_pa),
+      ({ placement, height_m, sampledPeak_pa, streamlined }) =>
+        new GroupWind(placement, height_m, sampledPeak_pa, streamlined),
     );
     this.socket = new ForestSocket(options.url, {
       request: () => this.forestRequest(),

@@ -59,13 +59,14 @@ export class StreamedForest {
   plant(group: number, table: number, placement: Floats): void {
     const known = this.tables.get(table);
     if (!known) throw new Error(`table ${table} is used before it was loaded`);
-    const { height_m, peak_pressure_pa: sampledPeak_pa } = known.table.metadata;
+    const { height_m, peak_pressure_pa, streamlined_exponent } = known.table.metadata;
     this.groups.set(group, {
       table: known.sha256,
       scale: known.table.modeScale,
       placement,
       height_m,
-      sampledPeak_pa,
+      sampledPeak_pa: peak_pressure_pa,
+      streamlined: streamlined_exponent,
       pulledTable: { ...known, compliance: null },
     });
     this.changed = true;

@@ -22,7 +22,7 @@ export function oscillatorOf(step: ArrayLike<number>, dt_s: number) {
 
 /** Frequency and damping of the slowest oscillator, and the static displacement of the tip per Pa. */
 export function firstSwayOf(table: Table, stride: number, basis: Float32Array): FirstSway {
-  const { modes, dt_s } = table.metadata;
+  const { modes, dt_s, streamlined_exponent: streamlined } = table.metadata;
   const { step, load, shown } = table.modal;
   const count = step.length / 6;
   const oscillators = Array.from({ length: count }, (_, k) =>
@@ -43,5 +43,10 @@ export function firstSwayOf(table: Table, stride: number, basis: Float32Array): 
     });
     tip_m_pa += 0.5 * Math.abs(sum);
   }
-  return { frequency_hz: Math.max(LEAST_HZ, first.frequency_hz), damping: first.damping, tip_m_pa };
+  return {
+    frequency_hz: Math.max(LEAST_HZ, first.frequency_hz),
+    damping: first.damping,
+    tip_m_pa,
+    streamlined,
+  };
 }
