@@ -66,7 +66,7 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
     of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
     drag = model.drag()
-    parts = (drag.exposed_m2, drag.share, drag.profile, model.nodes_m + model.u_rest)
+    parts = (drag.exposed_m2, drag.share, drag.profile, model.nodes_m)
     exposure = Exposure(*(values[: model.vertex_count] for values in parts))
     return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
 
@@ -85,9 +85,8 @@ def first_of(body: Oscillators, count: int) -> Oscillators:
 def _elastic(model: FemModel, shapes: Floats) -> Floats:
     """(k, k) tangent of the elements at rest in the shapes (k, N, 3), without the contribution of gravity."""
     system = model.system()
-    u, nothing = model.u_rest[system.order], np.zeros(len(model.nodes_m))
-    still = np.zeros_like(u)
-    system.assemble(u, still, 1.0, nothing, np.zeros_like(u))
+    still, nothing = np.zeros_like(system.rest), np.zeros(len(model.nodes_m))
+    system.assemble(still, still, 1.0, nothing, still.copy())
     inner = shapes[:, system.order[: system.free]].reshape(len(shapes), -1)
     return np.asarray(inner @ (system.solver.to_scipy(system.values) @ inner.T))
 
