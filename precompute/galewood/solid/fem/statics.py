@@ -9,6 +9,9 @@ from galewood.util import Floats
 
 FARTHEST_STEP = 0.5
 """Longest step of Newton's method over the size of the tree."""
+SMALLEST_SWAY = 0.01
+"""Over the size of the tree: to smaller displacements the tolerance of the steps is not relative, because that
+of a tree at rest is rounding alone."""
 MOST_PER_STEP, SMALLEST_STEP = 20, 1 / 64
 """Linear solutions before a load step is halved, and the smallest step over the whole load."""
 
@@ -80,7 +83,7 @@ def _newton(
     the steps and not by the residual.
     """
     u = start.copy()
-    farthest = FARTHEST_STEP * float(np.ptp(system.rest))
+    size_m = float(np.ptp(system.rest))
     terms = stress_terms(system, u, np.zeros_like(u))
     for iteration in range(iterations):
         step = _linear_solution(system, terms, u, load)
@@ -88,8 +91,8 @@ def _newton(
         if not np.isfinite(length):
             return u, iteration + 1, False
         terms = stress_terms(system, u, step)
-        u = u + step * min(1.0, farthest / max(length, 1e-300))
-        if length <= tolerance * float(np.abs(u).max()):
+        u = u + step * min(1.0, FARTHEST_STEP * size_m / max(length, 1e-300))
+        if length <= tolerance * max(float(np.abs(u).max()), SMALLEST_SWAY * size_m):
             return u, iteration + 1, True
     return u, iterations, False
 
