@@ -9,9 +9,9 @@ from galewood.util import Floats
 
 FARTHEST_STEP = 0.5
 """Longest step of Newton's method over the size of the tree."""
-SMALLEST_SWAY = 0.01
-"""Over the size of the tree: to smaller displacements the tolerance of the steps is not relative, because that
-of a tree at rest is rounding alone."""
+SMALLEST_SWAY = 0.5
+"""Over the size of the tree. For smaller displacements the tolerance of the steps is not relative, because
+those of a tree at rest are rounding alone."""
 MOST_PER_STEP, SMALLEST_STEP = 20, 1 / 64
 """Linear solutions before a load step is halved, and the smallest step over the whole load."""
 

@@ -12,8 +12,12 @@ from scipy.spatial import ConvexHull
 from galewood.formats import alpha_coverage
 from galewood.solid.model.crown_mass import Spread, TwigLoads, twig_loads, vertex_areas
 from galewood.solid.model.silhouette import silhouette_area
-from galewood.solid.model.twig_area import TWIG_DRAG_COEFFICIENT, shown_area, twig_area_per_mass
-from galewood.solid.model.twigs import twig_volumes
+from galewood.solid.model.twigs import (
+    TWIG_DRAG_COEFFICIENT,
+    shown_area,
+    twig_area_per_mass,
+    twig_volumes,
+)
 from galewood.solid.skeleton import CLAMPED_SHARE, Outline, root_vertices
 from galewood.solid.skinning import LARGEST_RIGID_PIECE, leading_vertices, nearest_tets
 from galewood.solid.tets import TetMesh, tet_volumes
@@ -114,17 +118,18 @@ def crown_loads(
 def _with_twigs(crown: CrownLoads, twigs: TwigLoads, wood: WoodLike, tree: TreeMesh) -> CrownLoads:
     """The loads with mass and area of the twigs, which fill the crown's outline where nothing is drawn."""
     report = crown.report | twigs.report
-    mass_kg, added_kg = crown.mass_kg + twigs.mass_kg, float(twigs.mass_kg.sum())
-    if not added_kg:
+    if not twigs.share.any():
         return replace(crown, report=report)
-    area = twigs.mass_kg * twig_area_per_mass(twigs.report["finest_branch_cm"], wood.density_kg_m3)
-    total, silhouette = float(area.sum()), crown.report["silhouette_m2"]
-    shown = shown_area(total, _envelope_area(tree) - silhouette)
+    all_kg = float(twigs.mass_kg.sum()) + crown.report["twig_mass_kg"]
+    all_m2 = all_kg * twig_area_per_mass(twigs.report["finest_branch_cm"], wood.density_kg_m3)
+    total = max(all_m2 - crown.report["twig_area_m2"], 0.0)
+    shown = shown_area(total, _envelope_area(tree) - crown.report["silhouette_m2"])
+    area = total * twigs.share
     exposed = TWIG_DRAG_COEFFICIENT * area * crown.wind_profile**2
-    drag = crown.drag_area_m2 + exposed * (shown / total)
+    drag = crown.drag_area_m2 + exposed * (shown / max(total, 1e-300))
     return replace(
         crown,
-        mass_kg=mass_kg,
+        mass_kg=crown.mass_kg + twigs.mass_kg,
         drag_area_m2=drag,
         exposed_area_m2=np.maximum(crown.exposed_area_m2 + exposed, drag),
         report=report
@@ -157,6 +162,7 @@ def _drawn_loads(
     part's projected area.
     """
     leaf_area, wood_area, twig_mass = (np.zeros(len(height_m)) for _ in range(3))
+    twig_area = 0.0
     for primitive in tree.primitives:
         area = spread(primitive, vertex_areas(primitive) * alpha_coverage(primitive.material))
         if primitive.kind == "leaves":
@@ -165,6 +171,7 @@ def _drawn_loads(
             wood_area += area
         if primitive.kind == "twigs":
             twig_mass += spread(primitive, twig_volumes(primitive) * wood.density_kg_m3)
+            twig_area += CONVEX_PROJECTION * float(area.sum())
     leaf_mass, capped = _leaf_mass(leaf_area, wood_mass_kg)
     silhouette = silhouette_area(*_triangles(tree))
     projected = RANDOM_PROJECTION * leaf_area + CONVEX_PROJECTION * wood_area
@@ -182,6 +189,7 @@ def _drawn_loads(
             "leaf_mass_kg": float(leaf_mass.sum()),
             "leaf_mass_capped": capped,
             "twig_mass_kg": float(twig_mass.sum()),
+            "twig_area_m2": twig_area,
             "wood_mass_kg": wood_mass_kg,
             "drag_coefficient": wood.drag_coefficient,
             "leaf_drag_coefficient": LEAF_DRAG_COEFFICIENT,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from galewood.solid.model.crown_mass import twig_mass_per_area
 from galewood.solid.model.foliage import crown_loads
-from galewood.solid.model.twig_area import END_TWIG_CM, shown_area, twig_area_per_mass
+from galewood.solid.model.twigs import END_TWIG_CM, shown_area, twig_area_per_mass
 from galewood.wood import wood_of_species
 
 from tests.precompute.solid.model.test_crown_mass import collected, read
