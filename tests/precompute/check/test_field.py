@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,13 @@ from galewood.check.field import (
     read_measurements,
     run_field,
 )
+from galewood.check.field.comparison import options_of
 from galewood.check.field.simulated import diameter_cm
 from galewood.check.field.statistics import agreement, broadleaf_hz, conifer_hz, determination, left_out_hz
 from galewood.check.field.summary import summarised
 from galewood.check.verify.beams import pole_frequencies
 from galewood.io.cli.commands import app
+from galewood.options import BuildRequest
 from galewood.util import Cancelled
 from galewood.wood import wood_of_species
 from typer.testing import CliRunner
@@ -235,7 +238,7 @@ def test_an_interrupted_run_keeps_the_finished_trees(poles, tmp_path, monkeypatc
 FIGURES = {
     "wood": "oak", "model_height_m": 5.0, "model_dbh_cm": 20.0, "model_mass_kg": 1.0,
     "model_frequency_hz": 2.0, "model_lowest_hz": 2.0, "model_mode": 1, "model_mode_mass_share": 0.6,
-    "rest_pose": "sagged", "warnings": [],
+    "rest_pose": "loaded", "warnings": [],
 }  # fmt: skip
 
 
@@ -253,3 +256,12 @@ def test_a_folder_without_table_or_trees_is_refused(poles, tmp_path):
 def test_the_command_reports_an_unusable_folder(tmp_path):
     result = CliRunner().invoke(app, ["field", str(tmp_path)])
     assert result.exit_code == 1
+
+
+def test_a_measured_diameter_scales_the_radii_of_a_scan_only():
+    """Regression: the diameter of the table was read and not used."""
+    row = Measurement(line=2, tree="a", frequency_hz=0.3, dbh_cm=31.0, height_m=20.0)
+    assert options_of(row, True, BuildRequest()).dbh_cm == 31.0
+    assert options_of(row, False, BuildRequest()).dbh_cm is None
+    unmeasured = replace(row, dbh_cm=None)
+    assert options_of(unmeasured, True, BuildRequest(dbh_cm=25.0)).dbh_cm == 25.0

@@ -17,7 +17,7 @@ from galewood.table.format import Table, decode
 from tests.golden import GOLDEN_FOLDER
 
 TABLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
-MODEL_ARRAYS = ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest")
+MODEL_ARRAYS = ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n")
 
 
 def source(mass_kg: float = 1.0, mode: float = 1.0, strain_m: float | None = None) -> Source:

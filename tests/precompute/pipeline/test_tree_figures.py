@@ -35,7 +35,7 @@ def figures(height_m: float = 10.0, **model: Any) -> dict[str, Any]:
     )
     report = {
         "wood_mass_kg": 300.0,
-        "rest_pose": {"kind": "sagged"},
+        "rest_pose": {"kind": "loaded"},
         "frequencies_hz": [0.3, 0.5],
         "sway": {"main_mode": 1, "main_frequency_hz": 0.5},
         **model,

@@ -27,7 +27,7 @@ def bench_fem(model: FemModel, points: NDArray[np.int32], *, steps: int = 60) ->
     well. Raises RuntimeError if a rival's solution differs by more than `MAX_RELATIVE_DIFFERENCE`.
     """
     system = model.system()
-    u, w = model.u_rest[system.order], np.zeros((len(system.rest), 3))
+    u, w = np.zeros_like(system.rest), np.zeros_like(system.rest)
     force, mass = np.zeros_like(w), model.mass_kg[system.order]
     scale = model.settings.dt_s**2
     load = np.random.default_rng(RANDOM_SEED).normal(size=w.shape)

@@ -70,8 +70,7 @@ class Source:
     @property
     def rest_m(self) -> Floats:
         """(n, 3) vertices of the wood at gravity rest, m."""
-        n = self.model.vertex_count
-        return self.model.nodes_m[:n] + self.model.u_rest[:n]
+        return self.model.nodes_m[: self.model.vertex_count]
 
 
 def source_of(

@@ -164,6 +164,7 @@ def options_of(row: Measurement, scan: bool, given: BuildRequest) -> BuildReques
     chosen: dict[str, Any] = given.model_dump(exclude_unset=True) | {
         "species": row.species,
         "height_m": None if scan else row.height_m,
+        "dbh_cm": (row.dbh_cm or given.dbh_cm) if scan else None,
         "foliage": row.season,
         "min_radius_mm": given.min_radius_mm if scan else None,
         "wood": None if row.species else given.wood,

@@ -129,7 +129,6 @@ def _pulled(model: FemModel, pull: Floats, part: Floats, distance_m: float) -> t
         u, _, converged = solve_static(system, model.gravity_n + force * pull)
         if not converged:
             raise PullError(f"no equilibrium was found under a pull of {force:.0f} N; choose a smaller sway")
-        u = u - model.u_rest
         return float(np.vdot(part, u[: model.vertex_count])), u
 
     slight = 1e-3 * float(np.abs(model.gravity_n).sum()) or 1.0

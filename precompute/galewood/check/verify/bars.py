@@ -35,6 +35,11 @@ class Bar:
         return np.zeros(len(self.tets), np.int32)
 
     @property
+    def tet_radius_m(self) -> Floats:
+        """(m,) radius of the circle with the area of the base, m."""
+        return np.full(len(self.tets), np.sqrt(self.area_m2 / np.pi))
+
+    @property
     def leaf_mass_kg(self) -> Floats:
         """Empty: a bar has no leaves."""
         return np.zeros(0)

@@ -201,14 +201,14 @@ def energy_rise(model: FemModel, frames: int) -> float:
 
 def _potential(model: FemModel, u: Floats) -> float:
     """Elastic and gravitational energy of linear elements, J; rotations by singular value decomposition."""
-    total = model.u_rest + u
-    local = total[model.elements]
+    local = u[model.elements]
     gradient = np.eye(3) + np.einsum("eai,eaj->eij", local, model.grad)
     left, _, right = np.linalg.svd(gradient)
     rotation = left @ right
     rest = model.nodes_m[model.elements]
     away = np.einsum("eji,eaj->eai", rotation, rest + local) - rest
     away -= away[:, :1]
+    away += 0.0 if model.strain_m is None else model.strain_m
     energy = 0.0
     pair = 0
     for a in range(4):
@@ -216,4 +216,4 @@ def _potential(model: FemModel, u: Floats) -> float:
             term = np.einsum("ei,eij,ej->", away[:, a], model.blocks[:, pair], away[:, b])
             energy += float(term) / (2 if a == b else 1)
             pair += 1
-    return energy - float(np.vdot(model.gravity_n, total))
+    return energy - float(np.vdot(model.gravity_n, u))

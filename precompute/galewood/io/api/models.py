@@ -89,8 +89,7 @@ class Model:
     @property
     def rest_vertices_m(self) -> Floats:
         """(n, 3) vertices of the tetrahedra at rest under gravity, m."""
-        n = self.fem.vertex_count
-        return self.fem.nodes_m[:n] + self.fem.u_rest[:n]
+        return self.fem.nodes_m[: self.fem.vertex_count]
 
     @property
     def report(self) -> dict[str, Any]:

@@ -69,8 +69,9 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
     drag, inside = model.drag(), slice(model.vertex_count)
     parts = (values[inside] for values in (drag.exposed_m2, drag.share, drag.profile))
-    place_m = (model.nodes_m + model.u_rest)[inside]
-    exposure = Exposure(*parts, streamlined_exponent=model.streamlined_exponent, place_m=place_m)
+    exposure = Exposure(
+        *parts, streamlined_exponent=model.streamlined_exponent, place_m=model.nodes_m[inside]
+    )
     return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
 
 
@@ -88,9 +89,8 @@ def first_of(body: Oscillators, count: int) -> Oscillators:
 def _elastic(model: FemModel, shapes: Floats) -> Floats:
     """(k, k) tangent of the elements at rest in the shapes (k, N, 3), without the contribution of gravity."""
     system = model.system()
-    u, nothing = model.u_rest[system.order], np.zeros(len(model.nodes_m))
-    still = np.zeros_like(u)
-    system.assemble(u, still, 1.0, nothing, np.zeros_like(u))
+    still, nothing = np.zeros_like(system.rest), np.zeros(len(model.nodes_m))
+    system.assemble(still, still, 1.0, nothing, still.copy())
     inner = shapes[:, system.order[: system.free]].reshape(len(shapes), -1)
     return np.asarray(inner @ (system.solver.to_scipy(system.values) @ inner.T))
 

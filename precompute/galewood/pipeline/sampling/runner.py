@@ -71,7 +71,7 @@ def content_hash(model: FemModel) -> str:
     """Hash of everything that determines how a model moves."""
     coefficients = (model.alpha, model.beta, model.streamlined_exponent, model.settings)
     digest = hashlib.sha256(repr(coefficients).encode())
-    for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
+    for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n"):
         digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
     for name in ("strain_m", "exposed_area_m2", "wind_profile", "foundation_n_m"):
         if (array := getattr(model, name)) is not None:

@@ -29,11 +29,10 @@ from .settings import Element as Element
 from .settings import FemSettings as FemSettings
 from .settings import Scheme as Scheme
 from .solver import NotPositiveDefinite as NotPositiveDefinite
-from .statics import ExcessiveSagError as ExcessiveSagError
-from .statics import RestPose as RestPose
-from .statics import gravity_rest_pose as gravity_rest_pose
 from .statics import loaded_pose as loaded_pose
 from .statics import solve_static as solve_static
-from .statics import weightless_pose as weightless_pose
+from .support import TRUNK_LIMB as TRUNK_LIMB
 from .support import Support as Support
-from .support import supporting_factors as supporting_factors
+from .support import Weight as Weight
+from .support import borne_load_factor as borne_load_factor
+from .support import supported as supported

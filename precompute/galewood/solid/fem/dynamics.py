@@ -30,19 +30,18 @@ class Simulator:
         self._mass = model.mass_kg[order]
         self._drag = model.drag(order)
         self._gravity = model.gravity_n[order]
-        self._start = model.u_rest[order]
         self._vertices = self._system.rank[: model.vertex_count]
         self._substeps = max(model.settings.substeps, 1)
         self._dt = model.settings.dt_s / self._substeps
-        self._force = np.empty_like(self._start)
-        self._zero = np.zeros_like(self._start)
+        self._force = np.empty_like(self._system.rest)
+        self._zero = np.zeros_like(self._force)
         self._near: tuple[bytes, ElementSystem] | None = None
         self._pressure_pa: Floats = np.zeros(2)
         self.reset()
 
     def reset(self) -> None:
         """Return to the gravity rest pose with zero velocity."""
-        self._u = self._start.copy()
+        self._u = self._zero.copy()
         self._velocity = np.zeros_like(self._u)
         self._last_velocity = self._velocity
         self._before = self._u.copy()
@@ -51,13 +50,13 @@ class Simulator:
         """Start at rest from a displacement (N,3), m, of all nodes relative to the gravity rest pose."""
         self.reset()
         self._u += u_m[self._system.order]
-        self._u[self._system.free :] = self._start[self._system.free :]
+        self._u[self._system.free :] = 0.0
         self._before = self._u.copy()
 
     @property
     def u(self) -> Floats:
         """(n,3) displacement of the vertices from the gravity rest pose, m (a copy)."""
-        return (self._u - self._start)[self._vertices]
+        return self._u[self._vertices]
 
     @property
     def v(self) -> Floats:

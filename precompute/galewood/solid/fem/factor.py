@@ -51,9 +51,8 @@ def tangent_factor(model: FemModel) -> TangentFactor:
     Raises NotPositiveDefinite if the rest pose is unstable.
     """
     system = model.system()
-    u = np.ascontiguousarray(model.u_rest[system.order])
-    still = np.zeros_like(u)
-    system.assemble(u, still, 1.0, np.zeros(len(u)), np.zeros_like(u))
+    still = np.zeros_like(system.rest)
+    system.assemble(still, still, 1.0, np.zeros(len(still)), still.copy())
     system.solver.factorise(system.values)
     pointer, rows = system.solver.pointer, system.solver.rows
     blocks = system.values[: len(rows)].copy()

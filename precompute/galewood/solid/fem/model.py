@@ -18,13 +18,14 @@ class FemModel:
     """A tree ready for simulation; nodes 0..vertex_count−1 are the vertices of the tetrahedral mesh.
 
     nodes_m (N,3), elements (m, 4|10), grad (m,4,3) 1/m, blocks (m,10,3,3) N/m, mass_kg (N,), drag_area_m2
-    (N,), fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha (1/s)
-    and beta (s) are Rayleigh's coefficients. The report can be serialised to JSON. strain_m (m, 4|10, 3) m is
-    the strain that the given shape has under its weight, as displacements of each element's nodes; None: the
-    given shape is unstrained. exposed_area_m2 (N,) is the drag area without shelter and wind_profile (N,) the
-    wind speed at the nodes over that at the top (`drag.py`); None: no shelter, the same speed everywhere.
-    foundation_n_m (N,) N/m are springs between the nodes and the ground (`foundation.py`); None: `fixed` is
-    clamped. streamlined_exponent: the wind's pressure grows with this power of its speed above 5 m/s.
+    (N,), fixed (k,), gravity_n (N,3) N, prestress (m,10) N/m (`prestress.py`). alpha (1/s) and beta (s) are
+    Rayleigh's coefficients. The nodes rest where they are given. The report can be serialised to JSON.
+    strain_m (m, 4|10, 3) m is the strain that the given shape has under its weight, as displacements of each
+    element's nodes; None: it is unstrained. exposed_area_m2 (N,) is the drag area without shelter and
+    wind_profile (N,) the wind speed at the nodes over that at the top (`drag.py`); None: no shelter, the same
+    speed everywhere. foundation_n_m (N,) N/m are springs between the nodes and the ground (`foundation.py`);
+    None: `fixed` is clamped. streamlined_exponent: the wind's pressure grows with this power of its speed above
+    5 m/s.
     """
 
     nodes_m: Floats
@@ -35,7 +36,6 @@ class FemModel:
     drag_area_m2: Floats
     fixed: Int32s
     gravity_n: Floats
-    u_rest: Floats
     prestress: Floats
     vertex_count: int
     alpha: float
@@ -70,7 +70,6 @@ _ARRAYS = (
     "drag_area_m2",
     "fixed",
     "gravity_n",
-    "u_rest",
     "prestress",
 )
 _OPTIONAL_ARRAYS = ("strain_m", "exposed_area_m2", "wind_profile", "foundation_n_m")

@@ -35,7 +35,8 @@ def natural_modes(model: "FemModel", count: int, system: ElementSystem | None = 
     NotPositiveDefinite if the rest pose is unstable.
     """
     system = system or model.system()
-    omega, inner = tangent_modes(system, model.u_rest[system.order], model.mass_kg[system.order], count)
+    still = np.zeros_like(system.rest)
+    omega, inner = tangent_modes(system, still, model.mass_kg[system.order], count)
     shapes = np.empty_like(inner)
     shapes[:, system.order] = inner
     return Modes(omega / (2 * np.pi), shapes)

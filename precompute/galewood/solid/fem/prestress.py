@@ -6,8 +6,6 @@ it is V (∇λ_i · σ ∇λ_j) I for each pair of corners. Because the corner f
 once, in the rest pose.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from galewood.solid.fem.elements.elasticity import PAIRS
@@ -17,23 +15,16 @@ from galewood.util import Floats
 
 
 def rest_prestress(model: FemModel) -> Floats:
-    """(m,10) N/m for the corner pairs of each element, in the model's rest pose."""
-    away = _stretched(model) if model.strain_m is None else _strained(model, model.strain_m)
+    """(m,10) N/m for the corner pairs of each element, of the strain that the given shape has."""
+    if model.strain_m is None:
+        return np.zeros((len(model.elements), 10))
+    away = _strained(model, model.strain_m)
     force = np.zeros_like(away)
     for p, (i, j) in enumerate(PAIRS):
         force[:, i] += np.einsum("eij,ej->ei", model.blocks[:, p], away[:, j])
         if i != j:
             force[:, j] += np.einsum("eji,ej->ei", model.blocks[:, p], away[:, i])
     return np.stack([np.einsum("ek,ek->e", model.grad[:, i], force[:, j]) for i, j in PAIRS], axis=1)
-
-
-def _stretched(model: FemModel) -> Floats:
-    """(m,4,3) displacements of the corners in the rest pose, without the element's rotation."""
-    rest = model.nodes_m[model.elements[:, :4]]
-    gradient = mean_gradient(model)
-    left, _, right = np.linalg.svd(np.eye(3) + gradient)
-    stretch = (left @ right).transpose(0, 2, 1) @ (np.eye(3) + gradient) - np.eye(3)
-    return np.einsum("eij,eaj->eai", stretch, rest - rest[:, :1])
 
 
 def _strained(model: FemModel, strain_m: Floats) -> Floats:
@@ -47,16 +38,10 @@ def _strained(model: FemModel, strain_m: Floats) -> Floats:
 
 def strain_displacements(model: FemModel, u_m: Floats) -> Floats:
     """(m, 4|10, 3) displacements u (N,3) of each element's nodes, m, without its infinitesimal rotation."""
-    bent = replace(model, u_rest=u_m)
-    gradient = mean_gradient(bent)
-    spin = (gradient - gradient.transpose(0, 2, 1)) / 2
     nodes, moved = model.nodes_m[model.elements], u_m[model.elements]
+    gradient = _gradient(moved, model.grad)
+    spin = (gradient - gradient.transpose(0, 2, 1)) / 2
     return (moved - moved[:, :1]) - np.einsum("eij,eaj->eai", spin, nodes - nodes[:, :1])
-
-
-def mean_gradient(model: FemModel) -> Floats:
-    """(m,3,3) mean displacement gradient of each element in the rest pose."""
-    return _gradient(model.u_rest[model.elements], model.grad)
 
 
 def _gradient(u: Floats, grad: Floats) -> Floats:

@@ -1,6 +1,4 @@
-"""Static rest pose of a tree under its own weight."""
-
-from typing import Any, NamedTuple
+"""Static equilibrium of a tree: strained by its weight in the given shape, and pulled from it."""
 
 import numpy as np
 
@@ -9,45 +7,20 @@ from galewood.solid.fem.elements.tangent import add_stress_terms, stress_terms
 from galewood.solid.fem.solver import NotPositiveDefinite
 from galewood.util import Floats
 
-LARGEST_SAG = 0.1
-"""Sag over height above which the given shape is taken as already bent by the weight."""
-
-
 FARTHEST_STEP = 0.5
 """Longest step of Newton's method over the size of the tree."""
+SMALLEST_SWAY = 0.5
+"""Over the size of the tree. For smaller displacements the tolerance of the steps is not relative, because
+those of a tree at rest are rounding alone."""
 MOST_PER_STEP, SMALLEST_STEP = 20, 1 / 64
 """Linear solutions before a load step is halved, and the smallest step over the whole load."""
-
-
-class ExcessiveSagError(ArithmeticError):
-    """The static equilibrium is farther from the given shape than a real tree's would be."""
-
-
-class RestPose(NamedTuple):
-    """Displacement (N,3) m of the rest pose, gravity (N,3) N to apply in the simulation, and a report."""
-
-    u_m: Floats
-    gravity_n: Floats
-    report: dict[str, Any]
-
-
-def gravity_rest_pose(system: ElementSystem, gravity_n: Floats, height_m: float) -> RestPose:
-    """Static equilibrium under gravity by Newton's method; nodes in mesh order.
-
-    Raises ExcessiveSagError if the tree would collapse, or hang far from its given shape.
-    """
-    u, iterations, converged = solve_static(system, gravity_n)
-    sag = float(np.abs(u).max()) / height_m if np.isfinite(u).all() else float("inf")
-    if converged and sag <= LARGEST_SAG:
-        return RestPose(u, gravity_n, {"kind": "sagged", "sag_fraction": sag, "iterations": iterations})
-    raise ExcessiveSagError
 
 
 def loaded_pose(system: ElementSystem, gravity_n: Floats) -> Floats:
     """Small displacement (N,3), m, whose strain balances gravity in the given shape; nodes in mesh order.
 
-    For a shape that has grown, or was scanned, under its own weight. One linear solution: the strain is small
-    even where the displacement is not.
+    A tree has grown, or was drawn or scanned, under its own weight. One linear solution: the strain is small
+    even where the displacement is not. Raises NotPositiveDefinite if nothing holds the tree.
     """
     load = gravity_n[system.order]
     load[system.free :] = 0
@@ -56,17 +29,6 @@ def loaded_pose(system: ElementSystem, gravity_n: Floats) -> Floats:
     system.solver.factorise(system.values)
     system.solver.solve(load)
     return _in_mesh_order(system, load)
-
-
-def weightless_pose(gravity_n: Floats) -> RestPose:
-    """The given shape as the rest pose without any weight, for a tree that would buckle under it."""
-    warning = (
-        "This tree would buckle under its own weight, so the weight is left out. The tree sways slightly too "
-        "fast; with thicker wood or a smaller height it would stand."
-    )
-    return RestPose(
-        np.zeros_like(gravity_n), np.zeros_like(gravity_n), {"kind": "weightless", "warning": warning}
-    )
 
 
 def solve_static(
@@ -121,7 +83,7 @@ def _newton(
     the steps and not by the residual.
     """
     u = start.copy()
-    farthest = FARTHEST_STEP * float(np.ptp(system.rest))
+    size_m = float(np.ptp(system.rest))
     terms = stress_terms(system, u, np.zeros_like(u))
     for iteration in range(iterations):
         step = _linear_solution(system, terms, u, load)
@@ -129,8 +91,8 @@ def _newton(
         if not np.isfinite(length):
             return u, iteration + 1, False
         terms = stress_terms(system, u, step)
-        u = u + step * min(1.0, farthest / max(length, 1e-300))
-        if length <= tolerance * float(np.abs(u).max()):
+        u = u + step * min(1.0, FARTHEST_STEP * size_m / max(length, 1e-300))
+        if length <= tolerance * max(float(np.abs(u).max()), SMALLEST_SWAY * size_m):
             return u, iteration + 1, True
     return u, iterations, False
 

@@ -1,150 +1,182 @@
-"""Stiffness that limbs need to carry their own weight: a real tree stands, however thin its limbs are drawn.
+"""How a tree bears its weight: one rule for every load, without a jump.
 
-The tangent of a loaded tree is K + K_σ, where K_σ is the geometric stiffness of the weight (`prestress.py`).
-Linearised buckling, −K_σ v = ν K v, gives the load factors ν, weight over buckling load, one for each way in
-which the tree can give way: it falls if any of them exceeds one. Then either the stiffness of a limb is
-wrong (it grows with the fourth power of a radius that was drawn or scanned), or its weight. The limbs that
-hold most of the elastic energy of such a mode get the stiffness (1 + ν) K. Under its weight, such a limb is
-then as stiff in this mode as it is drawn: (1 + ν) K v + K_σ v = K v. All other limbs keep their stiffness,
-and all limbs keep their weight.
+Under its weight a tree has the tangent K + K_σ. In the shape in which it gives way at a load factor ν (weight
+over buckling load, `buckling.py`) it keeps the share 1 − ν of its stiffness, and its frequency is √(1 − ν) of
+the weightless one. Real trees keep most of it: their heights are about a quarter of that at which they would
+buckle (McMahon, Science 179, 1973), and ν grows with the third power of that ratio. A slender forest tree at
+0.7 of its buckling height has ν = 1/3. A larger load factor is therefore taken as an error of the data, and
+the share that remains bends smoothly from 1 − ν towards a limit (`remaining_share`).
+
+The load factor borne follows from that share. It is reached through what is least certain first: whole trees
+by a smaller mass of leaves, twigs and thin limbs, down to a quarter, then by stiffer wood; single limbs by
+their stiffness, since it grows with the fourth power of a radius that was drawn or scanned.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
+from galewood.solid.fem.buckling import Buckling, buckling, element_energies, geometric_stiffness
 from galewood.solid.fem.elements.assembly import ElementSystem
-from galewood.solid.fem.elements.elasticity import PAIRS
-from galewood.solid.fem.elements.quadratic import combination
 from galewood.util import Floats, Int32s
 
-MAX_BUCKLING_RATIO = 0.7
-"""Largest weight over buckling load of a supported tree; above it, hardly any stiffness is left."""
-STIFFENING_MARGIN = 1.02
-"""Of the stiffening that reaches it, so that it is reached in few rounds."""
+SAFE_LOAD_FACTOR = 1 / 3
+"""Up to this load factor nothing is changed."""
+LARGEST_LOSS = 0.45
+"""Share of its stiffness that a tree loses to its weight at most; 1 − ν down to √0.55 of the frequency."""
+LEAST_THIN_MASS = 0.25
+"""Smallest factor of the mass of thin parts. Of felled and weighed trees, cylinder models gave the branches
+3.4 times their mass (docs/how-to/scanned-trees.md)."""
 LIMB_ENERGY_SHARE = 0.8
-"""Share of a mode's elastic energy in the limbs that are stiffened for it."""
-MODE_COUNT = 24
+"""Share of a mode's elastic energy in the limbs that hold it."""
+SHARE_TOLERANCE, LOAD_TOLERANCE = 0.05, 1e-4
+"""Relative, of the share that a limb keeps, and of the load factor that a tree bears."""
 MAX_ROUNDS = 30
 MAX_STIFFENING_FACTOR = 1e4
 """Largest factor; a limb that needs more is damaged input."""
+TRUNK_LIMB = 0
+
+
+class Weight(NamedTuple):
+    """Prestress (m,10), N/m, of the given shape by all weight, and the part of it by the thin parts."""
+
+    whole: Floats
+    thin: Floats
 
 
 class Support(NamedTuple):
-    """Stiffness factors (m,) of the elements, at least one, and whether the tree then stands."""
+    """What lets the tree stand: factors of the mass of its thin parts and of the stiffness (m,) of its wood.
 
-    factor: Floats
-    stands: bool
-    rounds: int
-    load_factor: float
-    """Weight over buckling load before."""
-
-
-def supporting_factors(system: ElementSystem, prestress: Floats, limb: Int32s) -> Support:
-    """The stiffness of whole limbs (m,) with which the tree carries its weight.
-
-    prestress (m,10) N/m is that of the given shape under its weight (`rest_prestress`); its forces do not
-    depend on the stiffness. The blocks and the prestress of the system are changed.
+    ``whole`` is the part of the stiffness factor that all wood has. Load factors are weight over buckling
+    load as given, and as borne.
     """
-    factor = np.ones(len(limb))
-    blocks = system.blocks.reshape(-1, 10, 3, 3).copy()
-    geometric = _geometric(system, prestress)
-    first = 0.0
-    for number in range(MAX_ROUNDS):
-        system.set_blocks(blocks * factor[:, None, None, None])
-        load, shapes = _load_factors(system, geometric)
-        first = first or float(load[0])
-        if load[0] <= MAX_BUCKLING_RATIO:
-            return Support(factor, True, number, first)
-        needed = _factors(load) if number == 0 else STIFFENING_MARGIN * load / MAX_BUCKLING_RATIO
-        factor = np.minimum(factor * _on_limbs(system, load, needed, shapes, limb), MAX_STIFFENING_FACTOR)
-    return Support(factor, False, MAX_ROUNDS, first)
+
+    thin_mass: float
+    whole: float
+    stiffness: Floats
+    load_factor: float
+    borne_load_factor: float
+    stands: bool
 
 
-def _geometric(system: ElementSystem, prestress: Floats) -> csc_matrix:
-    """K_σ of the free nodes."""
-    blocks, foundation = system.blocks.reshape(-1, 10, 3, 3).copy(), system.foundation
-    system.set_prestress(prestress)
-    system.set_blocks(0 * blocks)
-    system.foundation = None
-    matrix = _tangent(system)
-    system.foundation = foundation
-    system.set_prestress(0 * prestress)
-    system.set_blocks(blocks)
-    return matrix
+def remaining_share(load_factor: float) -> float:
+    """Share of its stiffness that a tree keeps under its weight: 1 − ν, above a third bent towards 0.55.
+
+    Two derivatives are continuous.
+    """
+    above = max(load_factor - SAFE_LOAD_FACTOR, 0.0)
+    room = LARGEST_LOSS - SAFE_LOAD_FACTOR
+    loss = min(load_factor, SAFE_LOAD_FACTOR) + above / np.sqrt(1 + (above / room) ** 2)
+    return float(1 - loss)
 
 
-def _tangent(system: ElementSystem) -> csc_matrix:
-    zero = np.zeros_like(system.rest)
-    system.assemble(zero, zero, 1.0, np.zeros(len(zero)), zero.copy())
-    return system.solver.to_scipy(system.values)
+def borne_load_factor(load_factor: float) -> float:
+    """The load factor at which a tree stiffened from the given one keeps `remaining_share`.
+
+    With s times the stiffness K, s K + K_σ leaves (s − ν) K: s = ν + share, and the load factor is ν / s.
+    """
+    return load_factor / max(load_factor + remaining_share(load_factor), 1e-300)
 
 
-def _load_factors(system: ElementSystem, geometric: csc_matrix) -> tuple[Floats, Floats]:
-    """The largest load factors (k,), descending, and their shapes (k,N,3), in the system's internal order."""
-    stiffness = _tangent(system)
-    system.solver.factorise(system.values)
-    size = 3 * system.free
+def supported(system: ElementSystem, weight: Weight, limb: Int32s) -> Support:
+    """How the tree bears its weight; limb (m,) of each element, 0 is the trunk.
 
-    def flexibility(b: Floats) -> Floats:
-        y = np.array(b, np.float64).reshape(-1, 3)
-        system.solver.solve(y)
-        return y.ravel()
-
-    inverse = LinearOperator((size, size), matvec=flexibility, dtype=np.float64)  # pyright: ignore[reportCallIssue]
-    count = min(MODE_COUNT, size - 1)
-    start, loose = np.random.default_rng(0).normal(size=size), 1e-4
-    options: dict[str, Any] = {"M": stiffness, "Minv": inverse, "which": "LA", "v0": start, "tol": loose}
-    try:
-        load, vectors = eigsh(-geometric, count, **options)
-    except ArpackNoConvergence as some:  # the largest come first
-        load, vectors = some.eigenvalues, some.eigenvectors
-    falling = np.argsort(-load)
-    shapes = np.zeros((len(load), *system.rest.shape))
-    shapes[:, : system.free] = vectors[:, falling].T.reshape(len(load), -1, 3)
-    return load[falling], shapes
+    The forces of the prestress do not depend on the stiffness. The blocks and the prestress of the system
+    are changed.
+    """
+    return _Bearing(system, weight, limb).support()
 
 
-def _factors(load: Floats) -> Floats:
-    """Stiffness factors (k,) for modes of these load factors: 1 + ν for those that fall."""
-    return np.where(load > 1, 1 + load, STIFFENING_MARGIN * load / MAX_BUCKLING_RATIO)
+class _Bearing:
+    def __init__(self, system: ElementSystem, weight: Weight, limb: Int32s) -> None:
+        self.system, self.limb = system, limb
+        self.whole = geometric_stiffness(system, weight.whole)
+        self.thin = geometric_stiffness(system, weight.thin) if weight.thin.any() else None
+        self.blocks = system.blocks.reshape(-1, 10, 3, 3).copy()
+        self.factor = np.ones(len(limb))
 
+    def support(self) -> Support:
+        first = self._modes(1.0)
+        given = float(first.load[0])
+        if given <= SAFE_LOAD_FACTOR:
+            return Support(1.0, 1.0, self.factor, given, given, True)
+        modes = self._with_stiff_limbs(first)
+        load = self._of_the_tree(modes)
+        borne = borne_load_factor(load)
+        thin_mass, whole = self._thin_mass(load, borne), 1.0
+        limbs = self.factor.copy()
+        modes = self._modes(thin_mass)
+        for _ in range(MAX_ROUNDS):  # one is enough, unless the tree stands on a root plate that yields
+            excess = self._of_the_tree(modes) / borne if borne else 0.0
+            if excess <= 1 + 2 * LOAD_TOLERANCE:
+                break
+            whole *= excess
+            self.factor = limbs * whole
+            modes = self._modes(thin_mass)
+        now = float(modes.load[0])
+        stands = now < 1 and self.factor.max() <= MAX_STIFFENING_FACTOR
+        return Support(thin_mass, whole, self.factor, given, now, stands)
 
-def _on_limbs(system: ElementSystem, load: Floats, needed: Floats, shapes: Floats, limb: Int32s) -> Floats:
-    """Factors (m,): those needed by each mode whose load factor is too large, on the limbs that hold it."""
-    factor = np.ones(int(limb.max()) + 1)
-    for one, least, shape in zip(load, needed, shapes, strict=True):
-        if one <= MAX_BUCKLING_RATIO:
-            break
-        energy = np.bincount(limb, _energy(system, shape), len(factor))
+    def _with_stiff_limbs(self, modes: Buckling) -> Buckling:
+        """Stiffens the limbs that give way by themselves, and gives the modes of the tree with them."""
+        for _ in range(MAX_ROUNDS):
+            raised = np.ones(int(self.limb.max()) + 1)
+            for load, shape in zip(modes.load, modes.shapes, strict=True):
+                holding = self._holding(shape)
+                if TRUNK_LIMB in holding:
+                    continue
+                raised[holding] = np.maximum(raised[holding], self._lacking(load, shape))
+            if raised.max() == 1:
+                return modes
+            self.factor = np.minimum(self.factor * raised[self.limb], 2 * MAX_STIFFENING_FACTOR)
+            modes = self._modes(1.0)
+        return modes
+
+    def _lacking(self, load: float, shape: Floats) -> float:
+        """Factor of the present stiffness with which a shape keeps its share, at least 1."""
+        energy = element_energies(self.system, shape)
+        present = float(energy.sum() / (energy / self.factor).sum())
+        given = load * present
+        share = remaining_share(given)
+        enough = present * (1 - load) >= share * (1 - SHARE_TOLERANCE) and present > 1
+        return 1.0 if enough else max((given + share) / present, 1.0)
+
+    def _of_the_tree(self, modes: Buckling) -> float:
+        """The largest load factor of the shapes that the trunk takes part in; 0: there is none."""
+        for load, shape in zip(modes.load, modes.shapes, strict=True):
+            if TRUNK_LIMB in self._holding(shape):
+                return float(load)
+        return 0.0
+
+    def _thin_mass(self, load: float, borne: float) -> float:
+        """Factor of the mass of thin parts with which the tree bears a load factor, or the smallest."""
+        if self.thin is None or load - borne <= LOAD_TOLERANCE * load:
+            return 1.0
+        low, high = LEAST_THIN_MASS, 1.0
+        below, above = self._of_the_tree(self._modes(low)) - borne, load - borne
+        if below >= 0:
+            return low
+        for _ in range(MAX_ROUNDS):
+            middle = high - above * (high - low) / (above - below)
+            excess = self._of_the_tree(self._modes(middle)) - borne
+            if abs(excess) <= LOAD_TOLERANCE * borne:
+                return middle
+            low, below, high, above = (
+                (low, below, middle, excess) if excess > 0 else (middle, excess, high, above)
+            )
+        return low
+
+    def _holding(self, shape: Floats) -> Int32s:
+        """The fewest limbs that hold most of the energy of a shape (N,3)."""
+        energy: Floats = np.bincount(self.limb, element_energies(self.system, shape)).astype(np.float64)
         most = np.argsort(-energy)
-        before = np.concatenate([[0.0], np.cumsum(energy[most])[:-1]]) / energy.sum()
-        holding = most[before < LIMB_ENERGY_SHARE]
-        factor[holding] = np.maximum(factor[holding], least)
-    return factor[limb]
+        before = np.concatenate([[0.0], np.cumsum(energy[most])[:-1]]) / max(float(energy.sum()), 1e-300)
+        return most[before < LIMB_ENERGY_SHARE].astype(np.int32)
 
-
-def _energy(system: ElementSystem, shape: Floats) -> Floats:
-    """Twice the elastic energy (m,) of the elements in a shape (N,3), J."""
-    moved = shape[system.elements]
-    blocks = system.blocks.reshape(-1, 10, 3, 3)
-    total = np.zeros(len(moved))
-    for i, j, coefficient, block in _terms(system.quadratic):
-        weight = coefficient if i == j else 2.0 * coefficient
-        total += weight * np.einsum("ea,eab,eb->e", moved[:, i], blocks[:, block], moved[:, j])
-    return total
-
-
-def _terms(quadratic: bool) -> list[tuple[int, int, float, int]]:
-    """Row, column, coefficient and linear block of each term of an element's stiffness; each pair once."""
-    if not quadratic:
-        return [(i, j, 1.0, block) for block, (i, j) in enumerate(PAIRS)]
-    whole = combination()
-    terms: list[tuple[int, int, float, int]] = []
-    for pair, (a, b) in enumerate(zip(whole.rows.tolist(), whole.columns.tolist(), strict=True)):
-        for t in range(whole.start[pair], whole.start[pair + 1]):
-            row, column = (b, a) if whole.transposed[t] else (a, b)
-            terms.append((row, column, float(whole.coefficient[t]), int(whole.block[t])))
-    return terms
+    def _modes(self, thin_mass: float) -> Buckling:
+        self.system.set_blocks(self.blocks * self.factor[:, None, None, None])
+        geometric: csc_matrix = self.whole
+        if self.thin is not None and thin_mass < 1:
+            geometric = csc_matrix(self.whole - (1 - thin_mass) * self.thin)
+        return buckling(self.system, geometric)

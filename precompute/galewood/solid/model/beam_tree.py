@@ -16,8 +16,7 @@ from galewood.motion.wind import dynamic_pressure
 from galewood.solid.beams import Frame, frame_modes, joined_frame
 from galewood.solid.fem import LEAST_PROFILE
 from galewood.solid.model.construction import STIFFNESS_FLOOR
-from galewood.solid.model.crown_mass import twig_loads
-from galewood.solid.model.foliage import crown_loads, without_leaves
+from galewood.solid.model.foliage import crown_loads
 from galewood.solid.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
 from galewood.solid.skinning import LARGEST_RIGID_PIECE, Axis, axis_of_frame, leading_vertices
 from galewood.solid.tets import MIN_RADIUS_SHARE
@@ -94,10 +93,8 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
         return np.bincount(ends.ravel(), shares.ravel(), len(frame.points_m)).astype(np.float64)
 
     wood_mass = frame.volume_m3() * wood.density_kg_m3
-    loaded = tree if leaves else without_leaves(tree)
-    crown = crown_loads(loaded, wood, frame.points_m[:, 1], spread, wood_mass)
-    drawn_kg = crown.report.get("twig_mass_kg", 0.0)
-    hung_kg = crown.mass_kg + twig_loads(tree, spread, wood_mass, drawn_kg, outline).mass_kg
+    crown = crown_loads(tree, wood, frame.points_m[:, 1], spread, wood_mass, leaves, outline)
+    hung_kg = crown.mass_kg
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
     free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
     modes = frame_modes(frame, wood, clamped_m, min(MODE_COUNT, free // 2), hung_kg)

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from galewood.solid.fem import (
+    TRUNK_LIMB,
     Element,
     ElementSystem,
     FemModel,
@@ -22,11 +23,13 @@ from galewood.solid.fem import (
 )
 from galewood.solid.model.calibration import fit_factors, reference_target
 from galewood.solid.model.effective_mass import sway_report
-from galewood.solid.model.rest import Limbs, at_rest
+from galewood.solid.model.rest import Parts, at_rest
 from galewood.util import Floats, Int32s
 from galewood.wood import Wood
 
 GRAVITY_M_S2 = 9.81
+THIN_RADIUS_M = 0.02
+"""Radius below which a limb is thin: scans are unsure of it (docs/how-to/scanned-trees.md)."""
 STIFFNESS_FLOOR = 0.2
 """Lower limit of the radius ratio for the stiffness (the mass always uses the true ratio).
 
@@ -48,12 +51,16 @@ class MeshLike(Protocol):
 
 
 class SkeletonLike(Protocol):
-    """The part of a Skeleton used here: fibre direction (m,3) and branch (m,) of each tet."""
+    """The part of a Skeleton used here, at each tet: fibre direction (m,3), branch (m,), 0 the trunk, and
+    radius of the limb (m,), m.
+    """
 
     @property
     def tet_fibre(self) -> Floats: ...
     @property
     def tet_branch(self) -> Int32s: ...
+    @property
+    def tet_radius_m(self) -> Floats: ...
 
 
 class LumpedMassesLike(Protocol):
@@ -112,8 +119,11 @@ def build_model(
         raw_reference = _raw(material, lumped, settings, "quadratic")
         model, fit = _fitted(material, _raw(material, lumped, settings, "linear"), raw_reference)
         report["fit"] = fit
-    limbs = Limbs(np.asarray(skeleton.tet_branch, np.int32), material.element_mass_kg)
-    return _finished(model, wood, limbs, lumped.leaf_mass_kg, report)
+    limb = np.asarray(skeleton.tet_branch, np.int32)
+    thin = (skeleton.tet_radius_m * mesh.radius_ratio < THIN_RADIUS_M) & (limb != TRUNK_LIMB)
+    thin_kg = np.where(thin, material.element_mass_kg, 0.0)
+    parts = Parts(limb, material.element_mass_kg, _node_masses(model, thin_kg, lumped.mass_kg))
+    return _finished(model, wood, parts, lumped.leaf_mass_kg, report)
 
 
 def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike) -> Material:
@@ -143,30 +153,23 @@ def _check_mesh(vertices: Floats, volume: Floats, lumped: LumpedMassesLike) -> N
 def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, element: Element) -> FemModel:
     """The model without rest pose and damping."""
     count = len(material.vertices_m)
-    nodes, elements, shares = material.vertices_m, material.tets, np.full(4, 0.25)
+    nodes, elements = material.vertices_m, material.tets
     fixed = np.unique(np.asarray(lumped.fixed, np.int32))
     if element == "quadratic":
         nodes, elements = elevate(nodes, elements)
-        shares = node_mass_shares()
         held = np.isin(midside_parents(count, elements), fixed).all(axis=1)
         fixed = np.concatenate([fixed, (count + np.flatnonzero(held)).astype(np.int32)])
-    mass: Floats = np.bincount(
-        elements.ravel(), np.outer(material.element_mass_kg, shares).ravel(), len(nodes)
-    ).astype(np.float64)
-    mass[:count] += lumped.mass_kg
-    gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
-    gravity[:, 1] = -GRAVITY_M_S2 * mass * settings.gravity
+    area = np.zeros(len(nodes))
     area[:count] = lumped.drag_area_m2
-    return FemModel(
+    model = FemModel(
         nodes_m=nodes,
         elements=elements,
         grad=material.grad,
         blocks=material.axial + material.shear,
-        mass_kg=mass,
+        mass_kg=np.zeros(len(nodes)),
         drag_area_m2=area,
         fixed=fixed,
-        gravity_n=gravity,
-        u_rest=np.zeros_like(nodes),
+        gravity_n=np.zeros_like(nodes),
         prestress=np.zeros((len(elements), 10)),
         vertex_count=count,
         alpha=0.0,
@@ -174,14 +177,36 @@ def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, el
         streamlined_exponent=lumped.streamlined_exponent,
         settings=replace(settings, element=element),
         report={},
-        exposed_area_m2=_at_nodes(lumped.exposed_area_m2, len(nodes)),
-        wind_profile=_at_nodes(lumped.wind_profile, len(nodes)),
+        exposed_area_m2=_optional(lumped.exposed_area_m2, len(nodes)),
+        wind_profile=_optional(lumped.wind_profile, len(nodes)),
     )
+    return _weighing(model, _node_masses(model, material.element_mass_kg, lumped.mass_kg))
 
 
-def _at_nodes(of_vertices: Floats | None, count: int) -> Floats | None:
+def _node_masses(model: FemModel, element_kg: Floats, vertex_kg: Floats) -> Floats:
+    """Masses (N,), kg, at the nodes, of masses of elements (m,) and of vertices (n,)."""
+    shares = np.full(4, 0.25) if model.elements.shape[1] == 4 else node_mass_shares()
+    mass: Floats = np.bincount(
+        model.elements.ravel(), np.outer(element_kg, shares).ravel(), len(model.nodes_m)
+    ).astype(np.float64)
+    mass[: model.vertex_count] += vertex_kg
+    return mass
+
+
+def _weighing(model: FemModel, mass_kg: Floats) -> FemModel:
+    """The model with these masses (N,), kg, and their weight."""
+    gravity = np.zeros_like(model.nodes_m)
+    gravity[:, 1] = -GRAVITY_M_S2 * mass_kg * model.settings.gravity
+    return replace(model, mass_kg=mass_kg, gravity_n=gravity)
+
+
+def _at_nodes(of_vertices: Floats, count: int) -> Floats:
     """Values at the vertices, continued by zeros at the nodes in the middle of edges."""
-    return None if of_vertices is None else np.concatenate([of_vertices, np.zeros(count - len(of_vertices))])
+    return np.concatenate([of_vertices, np.zeros(count - len(of_vertices))])
+
+
+def _optional(of_vertices: Floats | None, count: int) -> Floats | None:
+    return None if of_vertices is None else _at_nodes(of_vertices, count)
 
 
 def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[FemModel, dict[str, Any]]:
@@ -193,14 +218,16 @@ def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[
 
 
 def _finished(
-    model: FemModel, wood: Wood, limbs: Limbs, leaf_mass_kg: Floats, report: dict[str, Any]
+    model: FemModel, wood: Wood, parts: Parts, leaf_mass_kg: Floats, report: dict[str, Any]
 ) -> FemModel:
     """The model on its foundation, with rest pose, frequencies (also without leaves) and damping."""
     if (stiffness := model.settings.root_stiffness_nm_rad) is not None:
         model = with_root_springs(model, stiffness)
         report = {**report, "root_stiffness_nm_rad": stiffness}
     system = model.system()
-    resting = at_rest(model, system, limbs)
+    if leaf_mass_kg.any():
+        report = {**report, "bare": _bare(model, system, parts, leaf_mass_kg)}
+    resting = at_rest(model, system, parts)
     model, frequencies = resting.model, resting.frequencies()
     settings = model.settings.resolved(frequencies[0])
     alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], settings.damping_frequency_ratio)
@@ -212,24 +239,16 @@ def _finished(
         "sway": sway_report(model, resting.modes),
         "damping": damping_report(settings, alpha, beta, frequencies[0], wood.damping_ratio),
     }
-    if leaf_mass_kg.any():
-        report["bare"] = _bare(model, system, limbs, leaf_mass_kg)
     return replace(model, alpha=alpha, beta=beta, settings=settings, report=report)
 
 
-def _bare(model: FemModel, system: ElementSystem, limbs: Limbs, leaf_mass_kg: Floats) -> dict[str, Any]:
+def _bare(model: FemModel, system: ElementSystem, parts: Parts, leaf_mass_kg: Floats) -> dict[str, Any]:
     """Frequencies of the tree on the same elements without the mass of its leaves."""
-    mass = model.mass_kg.copy()
-    mass[: model.vertex_count] -= leaf_mass_kg
-    gravity = np.zeros_like(model.gravity_n)
-    gravity[:, 1] = -GRAVITY_M_S2 * mass * model.settings.gravity
-    unstrained = replace(
-        model, mass_kg=mass, gravity_n=gravity, u_rest=np.zeros_like(model.u_rest),
-        prestress=np.zeros_like(model.prestress), strain_m=None,
-    )  # fmt: skip
-    resting = at_rest(unstrained, system, limbs)
+    leaves = _at_nodes(leaf_mass_kg, len(model.nodes_m))
+    light = parts._replace(thin_kg=np.maximum(parts.thin_kg - leaves, 0.0))
+    resting = at_rest(_weighing(model, model.mass_kg - leaves), system, light)
     return {
-        "mass_kg": float(mass.sum()),
+        "mass_kg": float(resting.model.mass_kg.sum()),
         "rest_pose": resting.report,
         "frequencies_hz": resting.frequencies(),
         "sway": sway_report(resting.model, resting.modes),

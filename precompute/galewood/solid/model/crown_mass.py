@@ -50,9 +50,12 @@ Spread = Callable[[RenderPrimitive, Floats], Floats]
 
 @dataclass(frozen=True)
 class TwigLoads:
-    """Per point of a model: mass (n,) of twigs that the mesh lacks, kg; and a report."""
+    """Per point of a model: mass (n,) of twigs that the mesh lacks, kg, and the share (n,) of all twigs that
+    hang there, also where none are lacking; and a report.
+    """
 
     mass_kg: Floats
+    share: Floats
     report: dict[str, Any]
 
 
@@ -87,15 +90,17 @@ def twig_loads(
         outline = _outline(tree) if outline is None or tree.added_faces else outline
         if outline is None:
             none = spread(tree.primitives[0], np.zeros(len(tree.primitives[0].positions_m)))
-            return TwigLoads(none, {"added_twig_mass_kg": 0.0})
+            return TwigLoads(none, none, {"added_twig_mass_kg": 0.0})
         drawn = drawn or _drawn(outline)
         weight = _like_leaves(tree, spread) if leaves else _along_limbs(tree, outline, spread)
     trunk_cm, finest_cm = drawn
     if finest_cm is None or not weight.any():
-        return TwigLoads(np.zeros_like(weight), {"added_twig_mass_kg": 0.0})
+        none = np.zeros_like(weight)
+        return TwigLoads(none, none, {"added_twig_mass_kg": 0.0})
     allometric = np.pi / 4 * (trunk_cm / 100) ** 2 * twig_mass_per_area(finest_cm)
     missing, most = max(allometric - drawn_kg, 0.0), MOST_TWIG_MASS * wood_mass_kg
-    mass = weight * (min(missing, most) / weight.sum())
+    share = weight / weight.sum()
+    mass = min(missing, most) * share
     report = {
         "added_twig_mass_kg": float(mass.sum()),
         "twig_mass_capped": missing > most,
@@ -103,7 +108,7 @@ def twig_loads(
         "trunk_diameter_cm": trunk_cm,
         "finest_branch_cm": finest_cm,
     }
-    return TwigLoads(mass, report)
+    return TwigLoads(mass, share, report)
 
 
 def _outline(tree: TreeMesh) -> Outline | None:

@@ -41,6 +41,11 @@ class Skeleton:
     tet_point: Int32s
     report: dict[str, Any]
 
+    @property
+    def tet_radius_m(self) -> Floats:
+        """(m,) radius of the limb at each tet, as meshed, m."""
+        return self.radius_m[self.tet_point]
+
 
 def extract_skeleton(mesh: TetMesh) -> Skeleton:
     """Extract the skeleton of a connected tetrahedral mesh; the y axis points up."""

@@ -154,4 +154,4 @@ def test_concurrent_writes_leave_a_complete_model_file(tmp_path: Path) -> None:
         for written in [pool.submit(save_model, model, path) for _ in range(40)]:
             written.result()
     assert [one.name for one in tmp_path.iterdir()] == ["model.npz"]
-    assert np.array_equal(load_model(path).u_rest, model.u_rest)
+    assert np.array_equal(load_model(path).prestress, model.prestress)
