@@ -24,8 +24,8 @@ class FemModel:
     element's nodes; None: it is unstrained. exposed_area_m2 (N,) is the drag area without shelter and
     wind_profile (N,) the wind speed at the nodes over that at the top (`drag.py`); None: no shelter, the same
     speed everywhere. foundation_n_m (N,) N/m are springs between the nodes and the ground (`foundation.py`);
-    None: `fixed` is clamped. streamlined_exponent: the wind's pressure grows with this power of its speed above
-    5 m/s.
+    None: `fixed` is clamped. streamlined_exponent: the wind's pressure grows with this power of its speed
+    above 5 m/s.
     """
 
     nodes_m: Floats
