@@ -76,16 +76,14 @@ TABLE = [
     f"At most {spec.MAX_STEPS_PER_ADVANCE} steps are taken",
     f"d in 2..{spec.MAX_OSCILLATORS}:",
     f"m in 0..{spec.MAX_DRAG_POINTS} |",
-    f"G in 0..{spec.MAX_GUST_PLACES} |",
-    f"L in 0..{spec.MAX_GUST_OSCILLATORS} |",
+    f"G in 0..{spec.MAX_PLACES} |",
     f"more than {spec.MAX_DRAG_POINTS} drag points",
     f"exceeds {spec.MAX_TABLE_HEADER_BYTES // 1024**2} MiB",
     f"min(d, max({drag_inputs(8)}, ⌊d/2⌋))",
-    f"all below {power(spec.GUST_LAYER_REST)} (m, m/s)",
     f"p(U) = {spec.HALF_AIR_DENSITY_KG_M3:g} U² Pa up to {spec.STREAMLINING_SPEED_M_S:g} m/s",
     f"(U/5)^{spec.STREAMLINED_EXPONENT}",
     f"| `modal.force` | F32 | {force_terms(0)} + {force_terms(1) - force_terms(0)}c, d |",
-    f"| `modal.pose` | F32 | d + {2 + shape_terms(0)} + {shape_terms(1) - shape_terms(0)}c, f − d |",
+    f"| `modal.pose` | F32 | d + {2 + shape_terms(0)} + {shape_terms(1) - shape_terms(0)}c, r − d |",
     f"1/{2**spec.EXPONENTIAL_SQUARINGS} of the argument",
 ]
 WIND = [
