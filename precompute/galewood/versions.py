@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-SAMPLING_VERSION = 5
+SAMPLING_VERSION = 6
 """Part of every training run's hash; increase it when the recorded data changes."""
