@@ -103,7 +103,7 @@ check: $(VENV)/.dev node_modules/.stamp ## linters, formatters and type checkers
 	$(STEP) imports $(BIN)/lint-imports --no-cache
 	$(STEP) page-types $(BIN)/python scripts/write_page_types.py --check
 	$(STEP) constants $(BIN)/python -m scripts.check_constants
-	$(STEP) structure $(BIN)/python scripts/structure.py
+	$(STEP) structure $(BIN)/python -m scripts.structure
 	$(STEP) vulture $(BIN)/vulture
 	$(STEP) pyright node_modules/.bin/pyright
 	$(STEP) biome npm run --silent lint

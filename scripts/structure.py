@@ -1,5 +1,4 @@
-#!/usr/bin/env python3
-"""Rules on the sources that no linter has: scripts/structure.py [FOLDER], part of `make check`.
+"""Rules on the sources that no linter has: python -m scripts.structure [FOLDER], part of `make check`.
 
 - A folder holds at most 15 source files, and a Python function takes at most 9 parameters. What exceeds a
   limit is listed here by name, with the number that it must not exceed; an entry that is no longer needed
@@ -7,12 +6,12 @@
 - What a Python package exports, in ``__all__`` or in its stub ``__init__.pyi``, another one imports. (vulture
   finds what nobody uses at all.)
 - The name of a module's constant has two words, such as MAX_ROUNDS; one that lists things may be a plural.
+- A file or folder that a comment or docstring names exists (scripts/written_paths.py).
 """
 
 from __future__ import annotations
 
 import ast
-import os
 import re
 import sys
 import tomllib
@@ -22,13 +21,10 @@ from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 
+from scripts.sources import is_python, sources
+from scripts.written_paths import missing_paths
+
 REPOSITORY = Path(__file__).resolve().parents[1]
-ROOTS = ("precompute", "server", "scripts", "tests", "spec", "docs", "web", "tools")
-SKIPPED_FOLDERS = {"node_modules", "dist", "__pycache__"}
-TEST_OUTPUT = "tests/e2e/results"
-SUFFIXES = {".py", ".ts", ".tsx", ".js", ".mjs"}
-PYTHON_SCRIPT = b"#!/usr/bin/env python3"
-"""First line of a script without a suffix."""
 LIBRARIES = {"precompute": "galewood", "server": "galewood_server"}
 """Python packages that are divided into packages, by the folder that they are in."""
 
@@ -50,22 +46,6 @@ TYPESCRIPT_CONSTANT = re.compile(r"^(?:export )?const ([A-Z][A-Z0-9]*)\b(?:: [^=
 NUMBER_PATTERN = re.compile(r"[-+(]*(?:\d|Math\.|[A-Z][A-Z_0-9]* [-+*/%])")
 
 
-def sources(root: Path) -> Iterator[Path]:
-    """The source files below the folders of the project, without what is installed or built there."""
-    for name in ROOTS:
-        for folder, folders, files in os.walk(root / name):
-            inside = Path(folder).relative_to(root)
-            folders[:] = sorted(
-                {one for one in folders if (inside / one).as_posix() != TEST_OUTPUT} - SKIPPED_FOLDERS
-            )
-            paths = [Path(folder, file) for file in sorted(files)]
-            yield from (path for path in paths if path.suffix in SUFFIXES or _is_python(path))
-
-
-def _is_python(path: Path) -> bool:
-    return path.suffix == ".py" or (path.suffix == "" and path.read_bytes().startswith(PYTHON_SCRIPT))
-
-
 def files_by_folder(root: Path) -> Counter[str]:
     """The number of source files in each folder, relative to the root."""
     return Counter(path.parent.relative_to(root).as_posix() for path in sources(root))
@@ -73,7 +53,7 @@ def files_by_folder(root: Path) -> Counter[str]:
 
 def parsed(root: Path) -> dict[Path, ast.Module]:
     """The Python files, relative to the root, and the stubs of packages."""
-    paths = [path for path in sources(root) if _is_python(path)]
+    paths = [path for path in sources(root) if is_python(path)]
     stubs = [path.with_suffix(".pyi") for path in paths if path.name == "__init__.py"]
     paths += [path for path in stubs if path.exists()]
     return {path.relative_to(root): ast.parse(path.read_bytes()) for path in paths}
@@ -221,6 +201,7 @@ def main(root: Path) -> int:
     found += problems("parameters", parameters_by_function(modules), MOST_PARAMETERS, LONG_SIGNATURES)
     found += unused_exports(modules)
     found += vague_constants(root, modules)
+    found += missing_paths(root)
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 

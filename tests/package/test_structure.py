@@ -39,7 +39,7 @@ def copied(parts: tuple[str, ...], target: Path) -> Path:
 
 
 def structure(folder: Path) -> subprocess.CompletedProcess[str]:
-    return checked([sys.executable, REPOSITORY / "scripts" / "structure.py", folder], REPOSITORY)
+    return checked([sys.executable, "-m", "scripts.structure", folder], REPOSITORY)
 
 
 def idle_entries_left_out(found: str) -> list[str]:
@@ -131,6 +131,33 @@ def test_a_constant_of_one_word_is_found(tmp_path: Path, file: str, text: str, n
     assert found.returncode == 1 or not names
     assert idle_entries_left_out(found.stdout) == [
         f"{file}: {name} is one word: say what it holds, and in which unit" for name in names
+    ]
+
+
+# ---- paths in comments --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "paths"),
+    [
+        ("server/planted.py", '"""As in lost.py, which ../server/planted.py was."""\n', ["lost.py"]),
+        ("server/planted.py", 'MOST_M = 1\n"""Of spec/lost.md."""\n', ["spec/lost.md"]),
+        ("server/planted.py", "# Read tests/lost/ and lost.ts first.\n", ["lost.ts", "tests/lost"]),
+        ("server/planted.py", "NAMES = 'lost.py'  # https://example.org/lost.py, *.py, server/\n", []),
+        ("web/src/planted.ts", "/**\n * As ../src/lost.ts,\n * not src/planted.ts.\n */\n", ["src/lost.ts"]),
+        ("web/src/planted.ts", "f(1); // server/lost.py explains it\n", ["server/lost.py"]),
+        ("web/src/planted.ts", 'f("./lost.ts", "https://server/lost.py"); // of three.js\n', []),
+    ],
+)
+def test_a_path_in_a_comment_that_does_not_exist_is_found(
+    tmp_path: Path, file: str, text: str, paths: list[str]
+) -> None:
+    path = tmp_path / file
+    path.parent.mkdir(parents=True)
+    path.write_text(text)
+    found = structure(tmp_path)
+    assert idle_entries_left_out(found.stdout) == [
+        f"{file}: a comment names {name}, which does not exist" for name in paths
     ]
 
 

@@ -63,7 +63,7 @@ describe("biome rejects", () => {
     ["web/player/src/worker/motion/planted.ts", "../../../../src/page/settings/settings", "The worker imports core only"],
     ["web/player/src/trees/planted.ts", "../three/forest", "The tree code imports core"],
     ["web/player/src/trees/planted.ts", "../worker/motion/blend", "The tree code imports core"],
-    ["web/player/src/trees/nodes/planted.ts", "../../worker/motion/blend", "The tree code imports core"],
+    ["web/player/src/trees/nodes/planted.ts", "../../worker/protocol", "The tree code imports core"],
     ["web/player/src/trees/planted.ts", "../../../src/scene/sky/air", "The tree code imports core"],
     ["web/player/src/trees/planted.ts", "../../../src/page/app", "The tree code imports core"],
     ["web/player/src/three/planted.ts", "../../../src/page/app", "The package knows nothing of the page"],
@@ -73,7 +73,7 @@ describe("biome rejects", () => {
     ["web/src/scene/sky/planted.ts", "../../page/app", "scene knows nothing of the page"],
     ["web/src/scene/sky/planted.ts", "galewood/client-worker", "scene starts no worker"],
     ["web/src/scene/sky/planted.ts", "../../../player/src/trees/culling", "by its public subpaths"],
-    ["web/src/page/planted.ts", "../../player/src/core/wind/wind", "by its public subpaths"],
+    ["web/src/page/planted.ts", "../../player/src/core/wind/document", "by its public subpaths"],
     ["web/src/page/ui/planted.ts", "../../../player/dist/core.js", "by its public subpaths"],
   ])("%s importing %s", async (file, specifier, message) => {
     for (const text of [importing(specifier), importingType(specifier)]) {
@@ -126,8 +126,8 @@ test("biome accepts the allowed imports", async () => {
   const { passes, text } = await lint({
     "web/player/src/core/math/planted.ts": importing("../wind/document"),
     "web/player/src/worker/motion/planted.ts": importing("../../core/table/table") + "export * from '../protocol';\n",
-    "web/player/src/trees/planted.ts": importing("three/addons/loaders/GLTFLoader.js") + "export * from '../worker/protocol';\n",
-    "web/player/src/trees/nodes/planted.ts": importing("../drawList") + "export * from '../../worker/protocol';\n",
+    "web/player/src/trees/planted.ts": importing("three/addons/loaders/GLTFLoader.js") + "export * from '../core/table/drawnTable';\n",
+    "web/player/src/trees/nodes/planted.ts": importing("../drawList") + "export * from '../../core/motion/tip';\n",
     "web/player/src/three/planted.ts": importing("../trees/detail") + "export * from '../core/forest/givenWind';\n",
     "web/src/scene/planted.ts": importing("galewood/trees") + "export * from 'galewood/client';\n",
     "web/src/page/planted.ts": importing("../scene/forest") + "export * from 'galewood/core';\n",

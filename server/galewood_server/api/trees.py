@@ -1,4 +1,4 @@
-"""Trees: list, compute and delete. uploads.py adds them."""
+"""Trees: list, compute and delete. uploads/upload.py adds them."""
 
 from __future__ import annotations
 

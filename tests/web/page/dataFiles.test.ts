@@ -1,6 +1,6 @@
 /** Dropped files that are no trees: documents are read in the page, tables by the service. */
 import { afterEach, describe, expect, test, vi } from "vitest";
-import { CALM_BREEZE } from "../../../web/player/src/core/wind/wind";
+import { CALM_BREEZE } from "../../../web/player/src/core/wind/presets";
 import { contentOf } from "../../../web/src/page/files/content";
 
 const STEM = { line: 1, east_m: 0, north_m: 0, species: "oak", builtin: "maple", height_m: 9, slender: true };

@@ -6,7 +6,9 @@ import { dialTurn_deg, placeOfWind, windAfterKey, windAtPlace } from "../../../w
 import { kolmogorovLine, powerSpectrum } from "../../../web/src/page/ui/instruments/powerSpectrum";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "../../../web/src/page/ui/instruments/recorder";
 import { presetAt, presetOf, withModel } from "../../../web/src/page/ui/instruments/windEditing";
-import { CALM_BREEZE, MODELS, PRESETS, type PresetName, parseWind } from "../../../web/player/src/core/wind/wind";
+import { WIND_MODELS } from "../../../web/player/src/core/constants";
+import { parseWind } from "../../../web/player/src/core/wind/document";
+import { CALM_BREEZE, PRESETS, type PresetName } from "../../../web/player/src/core/wind/presets";
 import { random } from "../golden";
 
 describe("Beaufort", () => {
@@ -75,7 +77,7 @@ describe("the dial", () => {
 describe("editing", () => {
   test("every model of every preset is a valid wind, also after a round trip", () => {
     for (const name of Object.keys(PRESETS) as PresetName[]) {
-      for (const model of MODELS) {
+      for (const model of WIND_MODELS) {
         const wind = withModel(presetAt(name, 200), model);
         expect(parseWind(wind)).toEqual(wind);
         expect(parseWind(withModel(wind, "cosine")).model).toBe("cosine");

@@ -5,8 +5,8 @@ import { hashUnit } from "../../../web/player/src/core/math/random";
 import { leafTint } from "../../../web/src/scene/season/palette";
 import { progressLine, statusLine, summary, timeLeft } from "../../../web/src/page/ui/words";
 import { plainWind } from "../../../web/player/src/core/wind/edit";
-import { parseWind } from "../../../web/player/src/core/wind/wind";
-import { WIND_LIMITS } from "../../../web/src/page/settings/windQuery";
+import { parseWind } from "../../../web/player/src/core/wind/document";
+import { WIND_LIMITS } from "../../../web/src/page/settings/windLimits";
 import { DEFAULTS } from "../../../web/src/page/settings/settings";
 
 describe("texts of the page", () => {

@@ -20,16 +20,10 @@ export { NodePose } from "./core/motion/nodePose";
 export { poseStride } from "./core/motion/poseStride";
 export { TableError } from "./core/table/container";
 export type { Foliage, Primitive, Table, TableMetadata } from "./core/table/table";
-export {
-  PRESETS,
-  parseWind,
-  parseWindText,
-  type Wave,
-  type WindDocument,
-  WindError,
-  WindField,
-  type WindModel,
-} from "./core/wind/wind";
+export { parseWind, parseWindText, type Wave, type WindDocument } from "./core/wind/document";
+export { WindField } from "./core/wind/field";
+export { WindError, type WindModel } from "./core/wind/fields";
+export { PRESETS } from "./core/wind/presets";
 
 /** Reads a table file; throws a TableError that names the fault. */
 export const readTable = (bytes: ArrayBuffer | Uint8Array): Table => decodeWithoutRecords(bytes);

@@ -1,5 +1,5 @@
 /** Forests whose motion a Galewood service computes and streams: private ones, or shared by everyone who names them. */
-import type { WindDocument } from "./core/wind/wind";
+import type { WindDocument } from "./core/wind/document";
 import { startAt } from "./three/start";
 import type { StreamNews, StreamRequest } from "./worker/simple/streamed";
 

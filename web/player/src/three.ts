@@ -1,7 +1,8 @@
 /** Forests of swaying trees for three.js. */
 
 export type { Wind, WindFunction } from "./core/forest/givenWind";
-export { PRESETS, type WindDocument } from "./core/wind/wind";
+export type { WindDocument } from "./core/wind/document";
+export { PRESETS } from "./core/wind/presets";
 export { Forest, type ForestOptions, type Pick, type TreeFiles } from "./three/forest";
 export type { MaterialFactory } from "./three/materials";
 export type { Planted } from "./three/planted";

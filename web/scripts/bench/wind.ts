@@ -1,7 +1,8 @@
 /** Time per frame of the wind of a large forest, for each model. */
 import { TICK_HZ, WIND_MODELS } from "../../player/src/core/constants";
-import { hasField, type WindDocument, type WindModel } from "../../player/src/core/wind/document";
+import { hasField, type WindDocument } from "../../player/src/core/wind/document";
 import { WindField } from "../../player/src/core/wind/field";
+import type { WindModel } from "../../player/src/core/wind/fields";
 
 export interface WindTiming {
   readonly median_ms: number;
@@ -38,7 +39,7 @@ function benchModel(model: WindModel, trees: number, frames: number): WindTiming
   const out = [new Float32Array(trees), new Float32Array(trees)];
   const taken = Array.from({ length: frames + 1 }, (_, frame) => {
     const start = performance.now();
-    field.pressure(x, z, frame * FRAME_S, out[0], out[1], LEAF_EXPONENT);
+    field.pressure(x, z, field.at(frame * FRAME_S), out[0], out[1], LEAF_EXPONENT);
     return performance.now() - start;
   });
   const [prepare_ms, ...rest] = taken;

@@ -48,7 +48,7 @@ export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
   rememberSettings(store);
 
   // The forest. Subscribers to one value are told in the order in which they are made.
-  const catalogue = new Catalogue(store, (sha256) => world.client.loadTable(sha256));
+  const catalogue = new Catalogue(store, world.client);
   const paper = new PaperMethod(store, catalogue, world.client);
   const inventory = new InventoryPlanting(store, world);
   new Planting(store, world, catalogue, paper);

@@ -94,7 +94,7 @@ export class WindSound {
     if (!sound || !voice) return;
     const { field, client, stage } = this.world;
     [this.x[0], this.z[0]] = [stage.camera.position.x, stage.camera.position.z];
-    field.velocity(this.x, this.z, client.time_s, this.vx, this.vz);
+    field.velocity(this.x, this.z, field.at(client.time_s), this.vx, this.vz);
     const { gain, leaves_hz, howl_hz } = soundOf(Math.hypot(this.vx[0], this.vz[0]));
     this.loudness = playing ? gain * volume : 0;
     const now_s = voice.context.currentTime;

@@ -47,7 +47,7 @@ export interface PlacedSpecies {
 /** A moving group; the order is that of worker and server. */
 export interface MovingGroup {
   readonly asset: TreeAsset;
-  readonly forest: SpeciesForest;
+  readonly forest: SpeciesForest<TableMotion>;
 }
 
 /** A tree that was picked. */
@@ -170,11 +170,11 @@ export class Forest {
     for (const { model } of before.map(({ forest }) => forest)) if (!used.has(model)) disposeModel(model);
   }
 
-  private serves(forest: SpeciesForest, { model, motion }: PlacedSpecies): boolean {
+  private serves(forest: SpeciesForest<TableMotion>, { model, motion }: PlacedSpecies): boolean {
     return forest.model === model && forest.motion === motion && forest.options === this.options;
   }
 
-  private createSpecies({ model, motion, instances }: PlacedSpecies): SpeciesForest {
+  private createSpecies({ model, motion, instances }: PlacedSpecies): SpeciesForest<TableMotion> {
     const forest = new SpeciesForest(model, motion, instances, this.options);
     if (this.frozen) forest.freeze(true);
     forest.leafless = this.leafless;

@@ -11,7 +11,7 @@ const model = vi.hoisted(() => ({ parts: [{ vertices: 3 }] }));
 const problems = vi.hoisted(() => [] as string[]);
 vi.mock("../../../../web/src/page/ui/toast", () => ({ showToast: (title: string) => problems.push(title) }));
 const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
-vi.mock("../../../../web/src/scene/treeModel/treeVariants", () => ({ readTreeModel: async () => model }));
+vi.mock("../../../../web/src/scene/treeModel/readTreeModel", () => ({ readTreeModel: async () => model }));
 vi.mock("../../../../web/src/page/server/api", () => ({
   fetchMesh: async () => new ArrayBuffer(0),
   Problem: class extends Error {},
@@ -34,10 +34,9 @@ function started(settings: Partial<Settings> = {}) {
   const store = new Store({ ...DEFAULTS, season: "summer", ...settings }, DEFAULTS, "");
   const arriving = new Map<string, { resolve(motion: TableMotion): void; reject(error: Error): void }>();
   const grown: (string | null)[] = [];
-  const catalogue = new Catalogue(
-    store,
-    (sha256) => new Promise((resolve, reject) => arriving.set(sha256, { resolve, reject })),
-  );
+  const catalogue = new Catalogue(store, {
+    loadTable: (sha256) => new Promise((resolve, reject) => arriving.set(sha256, { resolve, reject })),
+  });
   watch(
     () => [catalogue.assetChanges.value],
     () => grown.push(catalogue.assets[0]?.motion?.sha256 ?? null),

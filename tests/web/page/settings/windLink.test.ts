@@ -1,17 +1,10 @@
 import { expect, test } from "vitest";
 import { DEFAULTS, queryFromSettings, settingsFromQuery } from "../../../../web/src/page/settings/settings";
 import { windFromQuery } from "../../../../web/src/page/settings/windQuery";
-import {
-  CALM_BREEZE,
-  changeWind,
-  PRESETS,
-  parseState,
-  parseWind,
-  paperWind,
-  steady,
-  type WindDocument,
-  WindError,
-} from "../../../../web/player/src/core/wind/wind";
+import { parseWind, type WindDocument } from "../../../../web/player/src/core/wind/document";
+import { WindError } from "../../../../web/player/src/core/wind/fields";
+import { CALM_BREEZE, PRESETS, paperWind } from "../../../../web/player/src/core/wind/presets";
+import { changeWind, parseState, steady } from "../../../../web/player/src/core/wind/transition";
 import { random } from "../../golden";
 import { gustSpeed_m_s, plainWind, withMean, withPlain } from "../../../../web/player/src/core/wind/edit";
 

@@ -2,7 +2,7 @@ import { effect } from "@preact/signals-core";
 import { describe, expect, test } from "vitest";
 import { Playback, STEP_S } from "../../../../web/src/page/store/playback";
 import { presetOf } from "../../../../web/src/page/ui/instruments/windEditing";
-import { PRESETS, type PresetName } from "../../../../web/player/src/core/wind/wind";
+import { PRESETS, type PresetName } from "../../../../web/player/src/core/wind/presets";
 
 describe("playback", () => {
   test("plays real time, or a part of it", () => {

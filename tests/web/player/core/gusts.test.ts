@@ -3,7 +3,8 @@ import { GustLayer } from "../../../../web/player/src/core/modal/gustLayer";
 import { fittedModes, decodeTable } from "../../../../web/player/src/core/table/table";
 import { CrownGusts } from "../../../../web/player/src/core/wind/crown";
 import { compressed, compression } from "../../../../web/player/src/core/wind/pressure";
-import { type WindDocument, WindField } from "../../../../web/player/src/core/wind/wind";
+import type { WindDocument } from "../../../../web/player/src/core/wind/document";
+import { WindField } from "../../../../web/player/src/core/wind/field";
 import { LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
 import { golden, goldenJson } from "../../golden";
 

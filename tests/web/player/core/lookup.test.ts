@@ -2,8 +2,9 @@ import { describe, expect, test } from "vitest";
 import { PaperForest, gaussian } from "../../../../web/player/src/core/motion/paperSearch";
 import type { Records } from "../../../../web/player/src/core/table/records";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
-import { CALM_BREEZE, windPressure } from "../../../../web/player/src/core/wind/wind";
+import { CALM_BREEZE } from "../../../../web/player/src/core/wind/presets";
 import { golden, goldenJson } from "../../golden";
+import { windPressure } from "../../windPressure";
 
 interface Walk {
   pose_easing: number;

@@ -5,7 +5,7 @@ import { DragConstraint, type Vector } from "../../../../web/player/src/core/pul
 import { PullError, pointResponse } from "../../../../web/player/src/core/pull/pointResponse";
 import { restFrequency, ringShare } from "../../../../web/player/src/core/pull/restRing";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
-import { WindField } from "../../../../web/player/src/core/wind/wind";
+import { WindField } from "../../../../web/player/src/core/wind/field";
 import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
 import { LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
 import { PointResponses } from "../../../../web/player/src/worker/motion/pulls/pointResponses";

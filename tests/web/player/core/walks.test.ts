@@ -4,7 +4,8 @@ import { PaperForest } from "../../../../web/player/src/core/motion/paperSearch"
 import type { Records } from "../../../../web/player/src/core/table/records";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
 import { ModalForest } from "../../../../web/player/src/core/modal/modalForest";
-import { parseWind, type WindDocument, WindField } from "../../../../web/player/src/core/wind/wind";
+import { parseWind, type WindDocument } from "../../../../web/player/src/core/wind/document";
+import { WindField } from "../../../../web/player/src/core/wind/field";
 import { golden, goldenJson } from "../../golden";
 
 interface Walks {
@@ -29,7 +30,7 @@ function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
   const pz = new Float64Array(count);
   const records = createHash("sha256");
   for (let frame = 0; frame < frames; frame++) {
-    field.pressure(trees.x_m, trees.z_m, frame / 30, px, pz, TABLE.metadata.streamlined_exponent);
+    field.pressure(trees.x_m, trees.z_m, field.at(frame / 30), px, pz, TABLE.metadata.streamlined_exponent);
     // Rounded as in Python, so that the last bit of a velocity does not change a record.
     for (const p of [px, pz]) p.forEach((pa, i) => p.fill(Math.floor(pa * steps_per_pa + 0.5) / steps_per_pa, i, i + 1));
     paper.advance(1 / 30, px, pz);

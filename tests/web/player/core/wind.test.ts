@@ -1,7 +1,10 @@
 import { describe, expect, test } from "vitest";
-import { CALM_BREEZE, dynamicPressure, parseWind, WIND_RANGES, WindError, windPressure } from "../../../../web/player/src/core/wind/wind";
-import { pressurePerSpeed, speedOfPressure_m_s } from "../../../../web/player/src/core/wind/pressure";
+import { parseWind, WIND_RANGES } from "../../../../web/player/src/core/wind/document";
+import { WindError } from "../../../../web/player/src/core/wind/fields";
+import { CALM_BREEZE } from "../../../../web/player/src/core/wind/presets";
+import { dynamicPressure, pressurePerSpeed, speedOfPressure_m_s } from "../../../../web/player/src/core/wind/pressure";
 import { goldenJson } from "../../golden";
+import { windPressure } from "../../windPressure";
 
 interface Vector {
   wind: unknown;

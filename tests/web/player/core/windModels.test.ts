@@ -1,14 +1,7 @@
 import { describe, expect, test } from "vitest";
-import {
-  changeWind,
-  finalWind,
-  parseState,
-  parseWind,
-  steady,
-  type WindDocument,
-  WindField,
-  withFront,
-} from "../../../../web/player/src/core/wind/wind";
+import { parseWind, type WindDocument } from "../../../../web/player/src/core/wind/document";
+import { WindField } from "../../../../web/player/src/core/wind/field";
+import { changeWind, finalWind, parseState, steady, withFront } from "../../../../web/player/src/core/wind/transition";
 import { Eddies } from "../../../../web/player/src/core/wind/models/navierStokes";
 import { goldenJson } from "../../golden";
 
@@ -43,7 +36,7 @@ const count = golden.x_m.length;
 function difference(field: WindField, time_s: number, wanted: number[]): number {
   const x = new Float64Array(count);
   const z = new Float64Array(count);
-  field.velocity(golden.x_m, golden.z_m, time_s, x, z);
+  field.velocity(golden.x_m, golden.z_m, field.at(time_s), x, z);
   const size = Math.max(...wanted.map(Math.abs), 1e-12);
   return Math.max(...[...x, ...z].map((value, i) => Math.abs(value - wanted[i]))) / size;
 }
@@ -117,13 +110,13 @@ test("a change keeps the gusts that blow: vortices are not computed a second tim
   const field = new WindField(eddies);
   const kept = (field as unknown as { gusts: Map<string, unknown> }).gusts;
   const [x, z, outX, outZ] = Array.from({ length: 4 }, () => new Float64Array(1));
-  field.velocity(x, z, 0, outX, outZ);
+  field.velocity(x, z, field.at(0), outX, outZ);
   const [blowing] = kept.values();
   // Back to the vortices, and on to other gusts: they have been there longest, but still fade out.
   for (const [k, next] of [first, eddies, second].entries()) {
     field.change(next, 60 * k);
     for (const later_s of [0.5, 50]) {
-      field.velocity(x, z, 60 * k + later_s, outX, outZ);
+      field.velocity(x, z, field.at(60 * k + later_s), outX, outZ);
       if (later_s < 1) expect([...kept.values()]).toContain(blowing);
     }
   }

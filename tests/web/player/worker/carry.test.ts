@@ -2,10 +2,10 @@
 import { describe, expect, test } from "vitest";
 import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
 import { decodeTable, type Table } from "../../../../web/player/src/core/table/table";
-import { WindField } from "../../../../web/player/src/core/wind/wind";
+import { WindField } from "../../../../web/player/src/core/wind/field";
 import { carryGroup, poseTransfer, rowsBefore } from "../../../../web/player/src/worker/motion/carry";
 import { LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
-import { coarserNodes, groupRows } from "../../../../web/player/src/worker/table/nodeLevels";
+import { coarserNodes, groupRows } from "../../../../web/player/src/core/table/nodeLevels";
 import { tableMotion } from "../../../../web/player/src/worker/table/tableMotion";
 import { golden } from "../../golden";
 import { seededRandom } from "../../seeded";

@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { PRESETS, WindField } from "../../../../web/player/src/core/wind/wind";
+import { WindField } from "../../../../web/player/src/core/wind/field";
+import { PRESETS } from "../../../../web/player/src/core/wind/presets";
 import { DEFAULTS } from "../../../../web/src/page/settings/settings";
 import { foreignPlacement, placementOf, sharedFrom, withShared } from "../../../../web/src/page/settings/sharedForest";
 import { forestRequest, sharedGroups } from "../../../../web/player/src/worker/stream/forestRequest";

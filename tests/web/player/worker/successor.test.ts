@@ -3,7 +3,7 @@ import { describe, expect, test } from "vitest";
 import type { Method } from "../../../../web/player/src/core/motion/method";
 import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
 import { decodeTable, type Table } from "../../../../web/player/src/core/table/table";
-import { WindField } from "../../../../web/player/src/core/wind/wind";
+import { WindField } from "../../../../web/player/src/core/wind/field";
 import { JumpBlend } from "../../../../web/player/src/worker/motion/blend";
 import { type LocalGroup, LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
 import { ShownPoses } from "../../../../web/player/src/worker/motion/shownPoses";

@@ -1,12 +1,12 @@
 /** The front end of a notebook's widget (anywidget): a small forest below a cell. Everything it needs is in its one file. */
 
 import workerSource from "virtual:worker";
-import { parseWind, type WindDocument } from "../core/wind/wind";
+import { parseWind, type WindDocument } from "../core/wind/document";
 import { Forest } from "../three/forest";
 import { places, Stage } from "../three/stage";
 import { WindControls } from "./windControls";
 
-/** The part of anywidget's model that is needed; precompute/galewood/notebook/widget.py is its other side. */
+/** The part of anywidget's model that is needed; precompute/galewood/io/notebook/widget.py is its other side. */
 export interface Model {
   get(name: "table" | "mesh"): DataView;
   get(name: "trees" | "height_px"): number;

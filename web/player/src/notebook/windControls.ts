@@ -1,5 +1,6 @@
 /** Controls of a wind below a picture: a preset, its mean speed and where it blows to. */
-import { PRESETS, type PresetName, type WindDocument } from "../core/wind/wind";
+import type { WindDocument } from "../core/wind/document";
+import { PRESETS, type PresetName } from "../core/wind/presets";
 
 const NAMES: Readonly<Record<PresetName, string>> = {
   still: "Still air",

@@ -11,10 +11,10 @@ import {
   type WebGLRenderer,
 } from "three";
 import type { Point, Wind } from "../core/forest/givenWind";
+import type { DrawnMotion } from "../core/table/drawnTable";
 import { disposeModel, readPlainTree, type TreeModel } from "../trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "../trees/speciesForest";
 import { pickTree } from "../trees/treePick";
-import type { DrawnMotion } from "../worker/protocol";
 import { type MaterialFactory, makerOf, ownMaterial } from "./materials";
 import { Planted } from "./planted";
 import { instancesOf, placementOf } from "./standing";

@@ -2,8 +2,8 @@
 import type { Matrix4, Vector3 } from "three";
 import { NodePose } from "../core/motion/nodePose";
 import { tipNode } from "../core/motion/tip";
+import type { DrawnMotion } from "../core/table/drawnTable";
 import type { SpeciesForest } from "../trees/speciesForest";
-import type { DrawnMotion } from "../worker/protocol";
 
 export class Planted {
   private readonly pose: NodePose;
@@ -13,7 +13,7 @@ export class Planted {
     /** @internal */ readonly group: number,
     /** @internal */ readonly table: number,
     /** @internal */ readonly motion: DrawnMotion,
-    /** @internal */ readonly trees: SpeciesForest<DrawnMotion>,
+    /** @internal */ readonly trees: SpeciesForest,
     /** @internal */ public matrices: readonly Matrix4[],
     private readonly posesNow: () => Float32Array | null,
     private readonly world: () => Matrix4,

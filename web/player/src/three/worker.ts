@@ -1,6 +1,7 @@
 /** Starts the worker and talks to it: one frame is on its way at any time, and its buffers circulate. */
-import type { WindDocument } from "../core/wind/wind";
-import type { DrawnMotion } from "../worker/protocol";
+
+import type { DrawnMotion } from "../core/table/drawnTable";
+import type { WindDocument } from "../core/wind/document";
 import type { Floats, FromWorker, GroupFrame, ToWorker } from "../worker/simple/messages";
 import { startAt } from "./start";
 

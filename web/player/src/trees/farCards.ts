@@ -1,6 +1,6 @@
 /** Impostors of simulated trees, as the scene supplies them: what they need to know of the trees and their motion. */
 import type { Texture } from "three";
-import type { DrawnMotion } from "../worker/protocol";
+import type { DrawnMotion } from "../core/table/drawnTable";
 import { LEVEL_COUNT } from "./detail";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";

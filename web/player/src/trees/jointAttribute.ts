@@ -1,6 +1,6 @@
 /** How the vertices of a part are held: between which nodes, and where. */
 import { BufferAttribute } from "three";
-import type { DrawnMotion, NodeLevel } from "../worker/protocol";
+import type { DrawnMotion, NodeLevel } from "../core/table/drawnTable";
 import type { TreePart } from "./mesh/treeMesh";
 
 /** Largest value of the third number of a joint attribute: the whole share of its second node. */

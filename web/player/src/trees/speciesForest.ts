@@ -1,6 +1,6 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
 import { type BufferAttribute, Group, type WebGLRenderer } from "three";
-import type { DrawnMotion, TableMotion } from "../worker/protocol";
+import type { DrawnMotion } from "../core/table/drawnTable";
 import { type Bounds, orientedBounds } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
@@ -57,7 +57,7 @@ interface OwnPart {
 }
 
 /** `Motion`: what is known of the motion besides what drawing needs. */
-export class SpeciesForest<Motion extends DrawnMotion = TableMotion> {
+export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   readonly group = new Group();
   private readonly nodes: NodePass | null;
   private readonly pulls: PullSlots | null;

@@ -2,7 +2,7 @@
 
 import type { Ray } from "../core/math/groundRay";
 import { poseNow } from "../core/motion/nodePose";
-import type { DrawnMotion } from "../worker/protocol";
+import type { DrawnMotion } from "../core/table/drawnTable";
 import type { Bounds } from "./culling";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 

@@ -1,7 +1,9 @@
 /** The worker: decodes tables and keeps the pose of every tree, computed here or received from the server. */
 
 import type { Method } from "../core/motion/method";
-import { finalWind, parseState, type WindDocument, WindField } from "../core/wind/wind";
+import type { WindDocument } from "../core/wind/document";
+import { WindField } from "../core/wind/field";
+import { finalWind, parseState } from "../core/wind/transition";
 import type { Reply } from "../core/wire/wire";
 import { JumpBlend } from "./motion/blend";
 import { FailoverMotion } from "./motion/failover";
@@ -171,7 +173,7 @@ scope.onmessage = ({ data }) => {
       break;
     case "wind":
       field?.change(data.wind, source?.time_s ?? 0);
-      source?.windChanged(data.wind);
+      source?.sendWind?.(data.wind);
       break;
     case "pull":
       source?.pull(data.order);

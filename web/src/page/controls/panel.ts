@@ -8,7 +8,7 @@ import type { PaperMethod } from "../paper/paperMethod";
 import type { Catalogue } from "../server/catalogue";
 import { type Planted, plantAs, plantedAs } from "../settings/planted";
 import { LIMITS, type Settings } from "../settings/settings";
-import { WIND_LIMITS } from "../settings/windQuery";
+import { WIND_LIMITS } from "../settings/windLimits";
 import { PLAYBACK_SPEEDS } from "../store/playback";
 import type { Store } from "../store/store";
 import { element, make } from "../ui/dom";

@@ -120,8 +120,9 @@ export function windDrawing(field: WindField, motion: TableMotion, frame: Object
         frame.localToWorld(place);
         [x[k], y[k], z[k]] = [place.x, place.y, place.z];
       });
-      field.velocity(x, z, time_s, vx, vz);
-      const { mean_speed_m_s, height_exponent = 0.2, reference_height_m = 12 } = field.at(time_s).wind;
+      const moment = field.at(time_s);
+      field.velocity(x, z, moment, vx, vz);
+      const { mean_speed_m_s, height_exponent = 0.2, reference_height_m = 12 } = moment.wind;
       chosen.forEach((_, k) => {
         const profile = (height_m[k] / reference_height_m) ** height_exponent;
         place.set(x[k], y[k], z[k]);

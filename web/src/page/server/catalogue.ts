@@ -5,7 +5,8 @@ import type { TableMotion } from "galewood/client";
 import type { TreeModel } from "galewood/trees";
 import type { TreeAsset } from "../../scene/forest";
 import { type Form, kindsOf } from "../../scene/forms";
-import { readTreeModel } from "../../scene/treeModel/treeVariants";
+import { readTreeModel } from "../../scene/treeModel/readTreeModel";
+import type { ForestClient } from "../forest/forestClient";
 import { plantedAs } from "../settings/planted";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
@@ -76,7 +77,7 @@ export class Catalogue {
 
   constructor(
     private readonly store: Store,
-    private readonly loadTable: (sha256: string) => Promise<TableMotion>,
+    private readonly client: Pick<ForestClient, "loadTable">,
   ) {
     const { settings, state } = store;
     this.bareWanted = this.wantsBare;
@@ -286,7 +287,7 @@ export class Catalogue {
     if (slot.sha256 === table) return;
     slot.sha256 = table;
     try {
-      const motion = await this.loadTable(table);
+      const motion = await this.client.loadTable(table);
       if (slot.sha256 !== table) return;
       slot.motion = motion;
       this.join(entry);

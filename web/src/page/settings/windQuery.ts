@@ -12,15 +12,9 @@ import {
   withPlain,
 } from "galewood/wind";
 import { clampTo, numberFrom, queryText } from "./queryNumbers";
+import { WIND_LIMITS } from "./windLimits";
 
 type PlainKey = keyof PlainWind;
-
-export const WIND_LIMITS = {
-  mean_speed_m_s: { min: 0, max: 60, step: 0.1 },
-  direction_deg: { min: 0, max: 359, step: 1 },
-  gustiness: { min: 0, max: 1, step: 0.01 },
-  seed: { min: 0, max: 9999, step: 1 },
-} as const;
 
 const NAMES: Record<PlainKey, string> = {
   mean_speed_m_s: "speed",

@@ -171,13 +171,14 @@ export class FarTrees {
 
   /** Advances all trees, also hidden ones, in the wind at a time; the cards then move towards their new poses. */
   advance(dt_s: number, time_s: number, field: WindField, motion: TableMotion, cards: Cards | null): void {
-    const { wind } = field.at(time_s);
+    const moment = field.at(time_s);
+    const { wind } = moment;
     if (this.moves !== motion) this.take(motion);
     if (!this.sway) return;
     this.setHeights(motion.height_m, wind.height_exponent, wind.reference_height_m);
     this.before.set(this.sway.tips);
     const { x, z, pressureX, pressureZ, factor } = this;
-    field.pressure(x, z, time_s, pressureX, pressureZ, motion.sway.streamlined, factor);
+    field.pressure(x, z, moment, pressureX, pressureZ, motion.sway.streamlined, factor);
     this.sway.advance(dt_s, pressureX, pressureZ, wind.mean_speed_m_s);
     if (!cards) return;
     this.writeBend(cards.seen, this.seen, cards.seen.count);

@@ -63,8 +63,9 @@ export class WindOverlay {
   update(field: WindField, time_s: number, around: Vector3): void {
     if (!this.visible) return;
     this.place(Math.round(around.x / SPACING_M), Math.round(around.z / SPACING_M));
-    field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);
-    const { mean_speed_m_s, gustiness } = field.at(time_s).wind;
+    const moment = field.at(time_s);
+    field.velocity(this.x, this.z, moment, this.velocityX, this.velocityZ);
+    const { mean_speed_m_s, gustiness } = moment.wind;
     const spread = Math.max(0.3, 0.5 * mean_speed_m_s * gustiness);
     for (let i = 0; i < this.x.length; i++) this.turn(i, mean_speed_m_s, spread);
     this.mesh.instanceMatrix.needsUpdate = true;

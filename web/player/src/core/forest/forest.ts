@@ -1,7 +1,7 @@
 /** A forest without pictures: tables and places in, displacements of nodes and vertices out. */
 import { type Jointed, NodePose } from "../motion/nodePose";
 import type { Table } from "../table/table";
-import { WindField } from "../wind/wind";
+import { WindField } from "../wind/field";
 import { GivenWind, type Point, type Wind } from "./givenWind";
 import { advance, type Trees, treesOf } from "./trees";
 

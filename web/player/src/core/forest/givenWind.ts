@@ -1,6 +1,9 @@
 /** Winds of a forest: a wind document, or a function of place and time. */
+
+import type { WindDocument } from "../wind/document";
+import { WindField } from "../wind/field";
 import type { Output, Places } from "../wind/frame";
-import { type WindDocument, WindField } from "../wind/wind";
+import type { Moment } from "../wind/transition";
 
 /** A point in the world, m. */
 export interface Point {
@@ -41,7 +44,7 @@ export class GivenWind extends WindField {
     super(AS_GIVEN);
   }
 
-  override velocity(x: Places, z: Places, time_s: number, outX: Output, outZ: Output): void {
+  override velocity(x: Places, z: Places, { time_s }: Moment, outX: Output, outZ: Output): void {
     this.fill(x, z, time_s, outX, outZ);
   }
 }

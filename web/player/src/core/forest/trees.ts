@@ -4,7 +4,7 @@ import { ModalForest } from "../modal/modalForest";
 import { GroupWind } from "../motion/groupWind";
 import { SteppedTrees, stepsOf } from "../motion/steppedTrees";
 import type { Table } from "../table/table";
-import type { WindField } from "../wind/wind";
+import type { WindField } from "../wind/field";
 
 export type Trees = SteppedTrees<ModalForest>;
 
@@ -31,8 +31,8 @@ export function advance(groups: readonly Trees[], field: WindField, time_s: numb
   let now_s = time_s;
   for (let step = 0; step < steps; step++) {
     now_s += step_s;
-    for (const trees of groups) trees.rotatePressure(field, now_s);
     const moment = field.at(now_s);
+    for (const trees of groups) trees.updateWind(field, moment);
     for (const trees of groups) trees.step(step_s, moment);
   }
   return now_s;

@@ -4,7 +4,7 @@ import { dragInputs, type ModalTensors } from "./modalTensors";
 
 /**
  * Drag at a few points of the crown, from the velocity of the sheltered air relative to them.
- * precompute/galewood/modal/drag.py explains it.
+ * precompute/galewood/motion/modal/drag.py explains it.
  */
 export class ModalDrag {
   private readonly point: Float64Array;

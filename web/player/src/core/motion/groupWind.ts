@@ -1,7 +1,8 @@
 /** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
 
-import { compression, pressureOfVelocity } from "../wind/pressure";
-import { dynamicPressure, heightFactor, type WindField } from "../wind/wind";
+import type { WindField } from "../wind/field";
+import { compression, dynamicPressure, heightFactor, pressureOfVelocity } from "../wind/pressure";
+import type { Moment } from "../wind/transition";
 import { poseStride } from "./poseStride";
 
 export class GroupWind {
@@ -51,11 +52,11 @@ export class GroupWind {
     return Float32Array.from({ length: this.count }, (_, tree) => this.placement[tree * 4 + channel]);
   }
 
-  update(field: WindField, time_s: number): void {
-    const { wind } = field.at(time_s);
+  update(field: WindField, moment: Moment): void {
+    const { wind } = moment;
     this.setProfile(wind.height_exponent, wind.reference_height_m);
     this.gust_m_s = wind.mean_speed_m_s * (1 + wind.gustiness);
-    field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);
+    field.velocity(this.x, this.z, moment, this.velocityX, this.velocityZ);
     const { velocityX, velocityZ, pressureX, pressureZ, streamlined, factor } = this;
     pressureOfVelocity(velocityX, velocityZ, pressureX, pressureZ, streamlined, factor);
     this.limit();

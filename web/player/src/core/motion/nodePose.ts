@@ -1,6 +1,6 @@
 /**
  * Where the vertices of a table are drawn, on the CPU. Pure. The shaders of trees/ do the same;
- * precompute/galewood/skinning/node_poses.py explains it.
+ * precompute/galewood/solid/skinning/node_poses.py explains it.
  */
 import { LONGEST_LINK, MOST_LINK_STRETCH } from "../constants";
 

@@ -1,7 +1,7 @@
 /** The trees of one table, stepped by the wind at each of them: the modal or the paper's method, and the gust layer. */
 import type { GustLayer } from "../modal/gustLayer";
+import type { WindField } from "../wind/field";
 import type { Moment } from "../wind/transition";
-import type { WindField } from "../wind/wind";
 import type { GroupWind } from "./groupWind";
 import { poseStride } from "./poseStride";
 import type { TreeInstances } from "./treeInstances";
@@ -47,8 +47,8 @@ export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
   }
 
   /** Evaluates the wind at every tree; call before `step`. */
-  rotatePressure(field: WindField, time_s: number): void {
-    this.wind.update(field, time_s);
+  updateWind(field: WindField, moment: Moment): void {
+    this.wind.update(field, moment);
   }
 
   step(dt_s: number, moment: Moment): void {

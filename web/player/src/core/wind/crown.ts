@@ -1,7 +1,7 @@
 /**
  * Turbulence within a crown: gusts of a few metres, which the gust models of a forest are too coarse for. A frozen,
  * periodic velocity field carried over the forest by the wind. Specified in spec/formats/wind.md; sources in
- * precompute/galewood/wind/crown.py.
+ * precompute/galewood/motion/wind/crown.py.
  */
 import {
   CROWN_CELL_M,

@@ -14,8 +14,6 @@ import {
 import { type Field, numberAt, objectAt, refuseUnknown, WindError, type WindModel } from "./fields";
 import { EMPTY_RECORDING, type Recording, recordingAt } from "./recording";
 
-export { WindError, type WindModel } from "./fields";
-
 /** Fields that are not numbers. */
 const LISTS: Partial<Record<WindModel, readonly string[]>> = WIND_LISTS;
 

@@ -52,12 +52,11 @@ export class WindField {
     return windAt(this.state, time_s);
   }
 
-  /** Writes the velocity (m/s, world x and z) at the reference height above each position. */
-  velocity(x: Places, z: Places, time_s: number, outX: Output, outZ: Output): void {
-    const moment = this.at(time_s);
+  /** Writes the velocity (m/s, world x and z) at the reference height above each position; `moment`: of this field. */
+  velocity(x: Places, z: Places, moment: Moment, outX: Output, outZ: Output): void {
     this.write(moment.wind, moment, x, z, outX, outZ);
     if (moment.share < 1) this.mixBefore(moment, x, z, outX, outZ);
-    if (this.state.fronts) addFronts(this.state.fronts, x, z, time_s, outX, outZ);
+    if (this.state.fronts) addFronts(this.state.fronts, x, z, moment.time_s, outX, outZ);
   }
 
   /** Mixes in the velocity of the model that is fading out. */
@@ -72,19 +71,20 @@ export class WindField {
 
   /**
    * Writes the pressure (Pa, world x and z) at each position; exactly 0 in still air.
-   * `exponent`: that of the trees (`dynamicPressure`). `factor`: wind speed at the height of each position relative to the reference height (`heightFactor`).
+   * `exponent`: that of the trees (`dynamicPressure`). `factor`: wind speed at the height of each position relative to
+   * the reference height (`heightFactor`).
    */
   pressure(
     x: Places,
     z: Places,
-    time_s: number,
+    moment: Moment,
     outX: Output,
     outZ: Output,
     exponent: number,
     factor?: Places,
   ): void {
     const [, , workX, workZ] = this.buffers(outX.length);
-    this.velocity(x, z, time_s, workX, workZ);
+    this.velocity(x, z, moment, workX, workZ);
     pressureOfVelocity(workX, workZ, outX, outZ, exponent, factor);
   }
 

@@ -15,7 +15,7 @@ import {
   FRONT_WIDTH_M,
   MOST_FRONTS,
 } from "../constants";
-import { WindError } from "./document";
+import { WindError } from "./fields";
 import type { Output, Places } from "./frame";
 
 /** A gust front that started at a time and place, with the mean wind of that moment. */

@@ -1,10 +1,11 @@
 /**
  * State of a forest's wind over time: a change of the document is a smooth transition. The reasons are in
- * precompute/galewood/wind/transition.py.
+ * precompute/galewood/motion/wind/transition.py.
  */
 
 import { FRONT_LIFE_S, MOST_FRONTS, TRANSITION_S } from "../constants";
-import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument, WindError } from "./document";
+import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument } from "./document";
+import { WindError } from "./fields";
 import { type Front, parseFronts } from "./fronts";
 
 /** A transition from one wind document to another since a given time; serializable. */

@@ -1,6 +1,6 @@
 /** One level of pass 1: its own nodes and modes, drawn to its own rows, updated at a rate that depends on its distance. */
 import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial, type Texture } from "three";
-import type { NodeLevel } from "../../worker/protocol";
+import type { NodeLevel } from "../../core/table/drawnTable";
 import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
 import { COVER_GLSL, DISPLACE_GLSL, SHORTEN_GLSL } from "./levelShader";
 import type { LevelRows } from "./nodeLayout";

@@ -13,7 +13,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import type { DrawnMotion } from "../../worker/protocol";
+import type { DrawnMotion } from "../../core/table/drawnTable";
 import type { DrawList } from "../drawList";
 import { LevelPass, type PoseRows } from "./levelPass";
 import { levelRows, nodeLayout } from "./nodeLayout";

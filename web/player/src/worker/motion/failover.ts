@@ -2,7 +2,7 @@
  * The server's stream with the local tables as fallback: the tables move the trees while no frames arrive, and the
  * stream takes over with its next frame. Both use the same wind, so the jump is small; the caller blends it.
  */
-import type { WindDocument } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
 import type { Inspection, PullOrder, TreeAt } from "../protocol";
 import type { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motionSource";
@@ -46,9 +46,8 @@ export class FailoverMotion implements MotionSource {
     return this.source.inspect(at);
   }
 
-  windChanged(wind: WindDocument): void {
-    this.stream.windChanged(wind);
-    this.local?.windChanged();
+  sendWind(wind: WindDocument): void {
+    this.stream.sendWind(wind);
   }
 
   pull(order: PullOrder): void {

@@ -9,7 +9,8 @@ import { poseStride } from "../../core/motion/poseStride";
 import { SteppedTrees, stepsOf } from "../../core/motion/steppedTrees";
 import type { Records } from "../../core/table/records";
 import type { Table } from "../../core/table/table";
-import { type WindField, withFront } from "../../core/wind/wind";
+import type { WindField } from "../../core/wind/field";
+import { withFront } from "../../core/wind/transition";
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import { rowsBefore, type ShownGroup } from "./carry";
 import type { MotionSource } from "./motionSource";
@@ -66,11 +67,12 @@ export class LocalMotion implements MotionSource {
 
   /** Starts the trees of the modal method where and as fast as they are displayed; `adopt` has precedence. */
   startAt(starts: readonly (StartOfGroup | null)[]): void {
+    const moment = this.field.at(this.time_s);
     for (const [g, { trees }] of this.groups.entries()) {
       const { lookup, wind, modes } = trees;
       const start = starts[g];
       if (!start || !(lookup instanceof ModalForest)) continue;
-      wind.update(this.field, this.time_s);
+      wind.update(this.field, moment);
       const stride = poseStride(modes);
       for (let tree = 0; tree < lookup.count; tree++) {
         if (start.known[tree] === 0) continue;
@@ -98,8 +100,6 @@ export class LocalMotion implements MotionSource {
       }
     }
   }
-
-  windChanged(): void {}
 
   tableOf(group: number): LocalGroup | null {
     return this.groups[group]?.group ?? null;
@@ -172,9 +172,9 @@ export class LocalMotion implements MotionSource {
   private step(dt_s: number): void {
     this.time_s += dt_s;
     const begin_ms = performance.now();
-    for (const { trees } of this.groups) trees.rotatePressure(this.field, this.time_s);
-    this.wind_ms += performance.now() - begin_ms;
     const moment = this.field.at(this.time_s);
+    for (const { trees } of this.groups) trees.updateWind(this.field, moment);
+    this.wind_ms += performance.now() - begin_ms;
     for (const { trees } of this.groups) trees.step(dt_s, moment);
   }
 

@@ -1,4 +1,4 @@
-import type { WindDocument } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
 /** The interface of everything that produces poses. */
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import type { Pulled } from "./pulls/pulled";
@@ -14,8 +14,8 @@ export interface MotionSource {
   /** Time spent on the wind since the last call, ms. */
   takeWind_ms(): number;
   inspect(at: TreeAt): Inspection | null;
-  /** Announces a change of the wind document; the caller updates the shared field. */
-  windChanged(wind: WindDocument): void;
+  /** Tells the server of a change of the wind document; the caller updates the shared field. */
+  sendWind?(wind: WindDocument): void;
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause?(paused: boolean): void;
   /** Tells where the viewer is (m, world); trees far away may move with less detail. */

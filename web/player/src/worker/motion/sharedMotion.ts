@@ -1,5 +1,7 @@
 /** Poses computed here with the wind and clock of a shared forest. */
-import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
+import type { WindField } from "../../core/wind/field";
+import { parseState } from "../../core/wind/transition";
 import type { Pulls, Reply, Request } from "../../core/wire/wire";
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import { ForestSocket } from "../stream/forestSocket";
@@ -112,7 +114,7 @@ export class SharedMotion implements MotionSource {
     return this.local.inspect(at);
   }
 
-  windChanged(wind: WindDocument): void {
+  sendWind(wind: WindDocument): void {
     this.windSender.change(wind);
   }
 

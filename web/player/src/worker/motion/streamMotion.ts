@@ -3,7 +3,9 @@
 import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
-import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
+import type { WindField } from "../../core/wind/field";
+import { parseState } from "../../core/wind/transition";
 import type { Clock, Frame, Reply, Request } from "../../core/wire/wire";
 import type { Connection, Inspection, PullOrder, ShareRequest, TreeAt } from "../protocol";
 import { forestRequest } from "../stream/forestRequest";
@@ -149,7 +151,7 @@ export class StreamMotion implements MotionSource {
     this.socket.send({ type: "gust", x, z });
   }
 
-  windChanged(wind: WindDocument): void {
+  sendWind(wind: WindDocument): void {
     this.windSender.change(wind);
   }
 
@@ -209,8 +211,9 @@ export class StreamMotion implements MotionSource {
     this.time_s = shown_s;
     this.pulled = this.pulls.at(shown_s);
     const begin_ms = performance.now();
+    const moment = this.field.at(shown_s);
     for (const [g, wind] of this.winds.entries()) {
-      wind.update(this.field, shown_s);
+      wind.update(this.field, moment);
       wind.writeSpeeds(out[g], this.groups[g].scale.length);
     }
     this.wind_ms += performance.now() - begin_ms;

@@ -1,6 +1,7 @@
 /** Messages between a forest and its worker. Types only. */
-import type { WindDocument } from "../../core/wind/wind";
-import type { DrawnMotion } from "../protocol";
+
+import type { DrawnMotion } from "../../core/table/drawnTable";
+import type { WindDocument } from "../../core/wind/document";
 
 export type Floats = Float32Array<ArrayBuffer>;
 

@@ -1,7 +1,8 @@
 /** Answers the messages of a forest, whoever computes its poses. */
-import type { WindDocument } from "../../core/wind/wind";
-import type { DrawnMotion } from "../protocol";
-import { drawnBuffers } from "../table/drawnMotion";
+
+import { drawnBuffers } from "../../core/table/drawnMotion";
+import type { DrawnMotion } from "../../core/table/drawnTable";
+import type { WindDocument } from "../../core/wind/document";
 import type { Floats, FromWorker, GroupFrame, ToWorker } from "./messages";
 
 /** What computes poses. */

@@ -2,10 +2,11 @@
 
 import { GivenWind } from "../../core/forest/givenWind";
 import { advance, movedTo, type Trees, treesOf } from "../../core/forest/trees";
+import { drawnMotion } from "../../core/table/drawnMotion";
+import type { DrawnMotion } from "../../core/table/drawnTable";
 import { decodeWithoutRecords, type Table } from "../../core/table/table";
-import { type WindDocument, WindField } from "../../core/wind/wind";
-import type { DrawnMotion } from "../protocol";
-import { drawnMotion } from "../table/drawnMotion";
+import type { WindDocument } from "../../core/wind/document";
+import { WindField } from "../../core/wind/field";
 import type { Floats, GroupFrame } from "./messages";
 
 interface Group {

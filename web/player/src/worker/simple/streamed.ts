@@ -1,11 +1,14 @@
 /** Forests whose poses a Galewood service computes: plans its groups and plays the stream. */
+
+import { drawnMotion } from "../../core/table/drawnMotion";
+import type { DrawnMotion } from "../../core/table/drawnTable";
 import { decodeWithoutRecords, type Table } from "../../core/table/table";
-import { finalWind, parseState, type WindDocument, WindField } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
+import { WindField } from "../../core/wind/field";
+import { finalWind, parseState } from "../../core/wind/transition";
 import type { Reply } from "../../core/wire/wire";
 import { PointResponses } from "../motion/pulls/pointResponses";
 import { type StreamGroup, StreamMotion } from "../motion/streamMotion";
-import type { DrawnMotion } from "../protocol";
-import { drawnMotion } from "../table/drawnMotion";
 import type { Floats, GroupFrame } from "./messages";
 
 /** Which stream a forest is. */
@@ -83,7 +86,7 @@ export class StreamedForest {
       });
     } else if (this.field) {
       this.field.change(wind, this.time_s);
-      this.motion?.windChanged(wind);
+      this.motion?.sendWind(wind);
     } else this.field = new WindField(wind);
   }
 

@@ -1,7 +1,7 @@
 /** The FOREST message of a plan. Pure. */
 
 import type { Method } from "../../core/motion/method";
-import type { WindField } from "../../core/wind/wind";
+import type { WindField } from "../../core/wind/field";
 import type { Forest } from "../../core/wire/wire";
 import type { ShareRequest } from "../protocol";
 

@@ -1,5 +1,5 @@
 /** Sends changes of the wind; recorded winds are long, so those that follow each other quickly are merged. */
-import type { WindDocument } from "../../core/wind/wind";
+import type { WindDocument } from "../../core/wind/document";
 import type { Request } from "../../core/wire/wire";
 
 const PAUSE_MS = 250;

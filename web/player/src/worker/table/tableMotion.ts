@@ -1,8 +1,8 @@
 /** Extracts what the page needs of a table. Pure. */
 
+import { drawnBuffers, drawnMotion } from "../../core/table/drawnMotion";
 import type { Table } from "../../core/table/table";
 import type { TableMotion } from "../protocol";
-import { drawnBuffers, drawnMotion } from "./drawnMotion";
 import { firstSwayOf } from "./firstSway";
 import { oscillatorFrequencies_hz } from "./oscillators";
 

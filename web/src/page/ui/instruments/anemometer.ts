@@ -60,7 +60,7 @@ export class Anemometer {
   }
 
   private speedAt(field: WindField, time_s: number): number {
-    field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);
+    field.velocity(this.x, this.z, field.at(time_s), this.velocityX, this.velocityZ);
     return Math.hypot(this.velocityX[0], this.velocityZ[0]);
   }
 

@@ -1,9 +1,9 @@
 /** Geometry of the wind rose: conversion between positions on the dial and winds. Pure. */
 
-/** The strongest wind of the wind document. */
-export const FASTEST_M_S = 60;
-/** Speeds of the rings. */
-export const RINGS_M_S = [5, 15, 30, 60] as const;
+import { FASTEST_M_S } from "../../settings/windLimits";
+
+/** Speeds of the rings; the last is the rim. */
+export const RINGS_M_S = [5, 15, 30, FASTEST_M_S] as const;
 
 export interface DialWind {
   readonly direction_deg: number;

@@ -1,14 +1,7 @@
 /** The wind rose: drag the arrow's end, or use the arrow keys. The dial turns with the camera. */
+import { FASTEST_M_S } from "../../settings/windLimits";
 import { windInWords } from "./beaufort";
-import {
-  type DialWind,
-  FASTEST_M_S,
-  placeOfWind,
-  RINGS_M_S,
-  radiusOf,
-  windAfterKey,
-  windAtPlace,
-} from "./dial";
+import { type DialWind, placeOfWind, RINGS_M_S, radiusOf, windAfterKey, windAtPlace } from "./dial";
 
 const SVG_NAMESPACE = "http://www.w3.org/2000/svg";
 const RIM_RADIUS = 64;

@@ -19,7 +19,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { meanColour } from "../../treeModel/treeVariants";
+import { meanColour } from "../../treeModel/meanColour";
 import { type Atlas, VIEW_COUNT } from "./atlas";
 import { viewport } from "./atlasLayout";
 import { BAKE_FRAGMENT, BAKE_VERTEX, REDUCE_FRAGMENT, REDUCE_VERTEX } from "./bakeShader";

@@ -1,6 +1,6 @@
 /**
- * Two-dimensional Fourier transform, bit-identical to precompute/galewood/wind/: the order of operations is fixed,
- * and the roots of unity are computed with square roots.
+ * Two-dimensional Fourier transform, bit-identical to precompute/galewood/motion/wind/models/fourier.py: the order of
+ * operations is fixed, and the roots of unity are computed with square roots.
  */
 
 /** cos and sin of 2πk/n for k in [0, n). */

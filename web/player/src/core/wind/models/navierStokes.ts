@@ -1,8 +1,8 @@
 /**
  * Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid, in the frame that moves with the wind.
  *
- * Bit-identical to precompute/galewood/wind/models/navier_stokes.py, which explains the method. A step is divided into
- * slices, so that its cost is spread over several frames.
+ * Bit-identical to precompute/galewood/motion/wind/models/navier_stokes.py, which explains the method. A step is divided
+ * into slices, so that its cost is spread over several frames.
  */
 
 import {

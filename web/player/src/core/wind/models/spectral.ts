@@ -1,6 +1,6 @@
 /**
  * 1/f^β gusts: frozen turbulence with a given spectrum, carried over the forest by the mean wind.
- * precompute/galewood/wind/models/spectral.py cites the sources.
+ * precompute/galewood/motion/wind/models/spectral.py cites the sources.
  */
 import {
   SPECTRAL_COLUMNS as COLUMNS,

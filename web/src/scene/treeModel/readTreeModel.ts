@@ -1,4 +1,4 @@
-/** Reads a normalised GLB with what the page draws in addition: trees that lack limbs, and bare trees. */
+/** The page's reader of meshes: a normalised GLB with what it draws in addition, trees that lack limbs and bare trees. */
 
 import type { Components } from "galewood/trees";
 import {
@@ -13,14 +13,7 @@ import {
 import { BufferAttribute } from "three";
 import { bareShoots } from "./bareShoots";
 import { limbKeysOf, pieceKeys } from "./limbKeys";
-
-/** Mean of the colours of a part; null without any. */
-export function meanColour(colour: BufferAttribute | null): [number, number, number] | null {
-  if (!colour || colour.count === 0) return null;
-  const sum: [number, number, number] = [0, 0, 0];
-  for (let i = 0; i < 3 * colour.count; i++) sum[i % 3] += colour.array[i];
-  return [sum[0] / colour.count, sum[1] / colour.count, sum[2] / colour.count];
-}
+import { meanColour } from "./meanColour";
 
 /** Vertices that all have the mean of other colours. */
 function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribute | null {

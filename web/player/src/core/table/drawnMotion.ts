@@ -1,9 +1,9 @@
 /** Extracts the part of a table by which trees are drawn. Pure. */
 
-import { poseStride } from "../../core/motion/poseStride";
-import type { Table } from "../../core/table/table";
-import type { DrawnMotion } from "../protocol";
+import { poseStride } from "../motion/poseStride";
+import type { DrawnMotion } from "./drawnTable";
 import { coarserNodes } from "./nodeLevels";
+import type { Table } from "./table";
 
 /** The basis with rows padded to whole texels: [nodes, 3, stride]. */
 function padBasis(basis: Float32Array, modes: number, stride: number): Float32Array<ArrayBuffer> {

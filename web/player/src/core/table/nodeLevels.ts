@@ -1,7 +1,7 @@
 /** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
-import { TURN_ARM } from "../../core/constants";
-import { fittedModes, type Table } from "../../core/table/table";
-import type { NodeLevel } from "../protocol";
+import { TURN_ARM } from "../constants";
+import type { NodeLevel } from "./drawnTable";
+import { fittedModes, type Table } from "./table";
 
 /**
  * Number of nodes, of texels of four modes (the last holds the wind), and of modes of the gust layer among them, for
