@@ -311,10 +311,8 @@ MAX_OSCILLATORS = 64
 """Most oscillators of the modal model."""
 MAX_DRAG_POINTS = 32
 """Most drag points of the modal model."""
-MAX_GUST_PLACES = 32
-"""Most places at which the gust layer takes the wind."""
-MAX_GUST_OSCILLATORS = 64
-"""Most oscillators of the gust layer."""
+MAX_PLACES = 32
+"""Most places of the crown whose gusts drive the modal model."""
 TABLE_RANGES: Mapping[str, Any] = {
     "height_m": (0.01, 1000.0),
     "dt_s": (0.0001, 1.0),
@@ -344,10 +342,9 @@ TABLE_TENSORS: Mapping[str, Any] = {
     "modal.drag_point": ("F32", 2),
     "modal.drag_shape": ("F32", 3),
     "modal.drag_rest": ("F32", 1),
-    "gusts.place": ("F32", 2),
-    "gusts.step": ("F32", 2),
-    "gusts.load": ("F32", 2),
-    "gusts.drag": ("F32", 1),
+    "modal.drag_place": ("F32", 2),
+    "modal.place": ("F32", 2),
+    "modal.place_load": ("F32", 3),
 }
 """Type and rank of the tensors of a table."""
 RECORDS_FORMAT = "galewood-records"
@@ -398,8 +395,6 @@ bounded, and as the linear step contracts, any bounded wind gives a bounded moti
 """
 MODAL_REST = 1e-7
 """In still air a motion below this share of the sampled range is set to exactly zero."""
-GUST_LAYER_REST = 1e-6
-"""In still air a motion of the gust layer below this is set to exactly zero [m, m/s]."""
 FEWEST_DRAG_INPUTS = 8
 """Fewest oscillators whose speed determines the velocity of the drag points; otherwise half of them."""
 ISOTROPIC_DRAG = 1.3333333333333333

@@ -55,10 +55,8 @@ class Tree:
             self.metadata["paper"], self.t = about["paper"], self.t | more
         self.c, self.s, self.scale, self.dt = math.cos(yaw), math.sin(yaw), scale, self.metadata["dt_s"]
         self.exponent = self.metadata["streamlined_exponent"]
-        self.d, self.layer = len(self.t["modal.step"]), len(self.t["gusts.step"])
-        self.fitted = self.metadata["modes"] - self.layer
+        self.d = len(self.t["modal.step"])
         self.e, self.v = np.zeros((2, self.d))
-        self.ge, self.gv = np.zeros((2, self.layer))
         self.now, self.before = np.zeros((2, self.metadata["modes"]))
         self.phase, self.record, self.weight = 0.0, -1, 0.0
         self.easing = self.metadata["paper"]["pose_easing"] if "paper" in self.metadata else 0.0
@@ -70,29 +68,33 @@ class Tree:
         for _ in range(min(int(self.phase), STEPS)):
             last, self.before = self.now - self.before, self.now.copy()
             if paper:
-                self.search_step(p, last[: self.fitted])
+                self.search_step(p, last)
             else:
-                self.modal_step(p)
-                if self.layer:
-                    self.gust_step(p, np.reshape(gusts, (-1, 2)))
+                self.modal_step(p, np.reshape(gusts, (-1, 2)))
         self.phase %= 1.0
         q = self.before + (self.now - self.before) * self.phase
         return q * self.t["modes.scale"] if paper else q
 
-    def modal_step(self, p: Any) -> None:
+    def modal_step(self, p: Any, gusts: Any) -> None:
         t, e, v = self.t, self.e, self.v
         r00, r01, r10, r11, s0, s1 = t["modal.step"].T  # r00 and r11 less 1
-        f = t["modal.load"] @ p + self.force_terms(p) @ t["modal.force"]
-        f = f + self.drag((r00 * e + r01 * v + s0 * f) / self.dt, p)
+        local = np.zeros((len(t["modal.place"]), 2))
+        if len(gusts):
+            local = np.outer(gusts[:, 0], p) + np.outer(gusts[:, 1], [-p[1], p[0]])
+        air = p + t["modal.drag_place"] @ local
+        sheltered = t["modal.drag_point"].prod(1)
+        felt = p + sheltered @ (air - p) / max(sheltered.sum(), 1e-30)
+        f = t["modal.load"] @ p + np.einsum("kxg,gx->k", t["modal.place_load"], local)
+        f = f + self.force_terms(felt) @ t["modal.force"]
+        f = f + self.drag((r00 * e + r01 * v + s0 * f) / self.dt, air)
         self.e, self.v = e + r00 * e + r01 * v + s0 * f, v + r10 * e + r11 * v + s1 * f
         sway, limits = t["modal.sway"], t["modal.limits"]
         slow = abs(sway @ self.e).max() <= REST * limits[0] and abs(sway @ self.v).max() <= REST * limits[1]
         if slow and not p.any() and abs(self.e).max() * abs(sway[:, 0]).max() < REST * limits[0]:
             self.e, self.v = np.zeros((2, self.d))
         pair = held(sway @ self.e, limits[0])
-        terms = np.concatenate([self.e, p, self.shape_terms(pair, self.e)])
-        self.now[: self.d] = t["modal.shown"] * self.e
-        self.now[self.d : self.fitted] = terms @ t["modal.pose"]
+        terms = np.concatenate([self.e, felt, self.shape_terms(pair, self.e)])
+        self.now = np.concatenate([t["modal.shown"] * self.e, terms @ t["modal.pose"]])
 
     def shape_terms(self, pair: Any, e: Any) -> Any:
         (x, y), far = pair, CLAMP * self.t["modal.limits"]
@@ -113,32 +115,20 @@ class Tree:
         motion = [speeds, np.outer(speeds, pair).ravel(), u * first[:5], w * first[:5]]
         return np.concatenate([shape, *motion, p[0] * first, p[1] * first, coupled])
 
-    def drag(self, w: Any, p: Any) -> Any:
+    def drag(self, w: Any, wind: Any) -> Any:
+        """Force of the drag at speeds w; `wind` (m, 2): the pressure at each point."""
         (area, share), shape = self.t["modal.drag_point"].T, self.t["modal.drag_shape"]
         if not len(area):
             return 0.0
         inputs = min(self.d, max(8, self.d // 2))
-        steady = np.outer([p[0], 0.0, p[1]], share)
-        air = steady * speed_of(share * size(p), self.exponent) / np.maximum(share * size(p), 1e-30)
+        steady = np.stack([wind[:, 0], 0.0 * area, wind[:, 1]]) * share
+        strength = np.linalg.norm(steady, axis=0)
+        air = steady * speed_of(strength, self.exponent) / np.maximum(strength, 1e-30)
         relative = air - shape[:, :, :inputs] @ w[:inputs]
         speed = np.maximum(np.linalg.norm(relative, axis=0), 1e-30)
         kappa = pressure(speed, self.exponent) / speed
         force = np.einsum("ijk,ij->k", shape, area * (kappa * relative - steady))
         return force - 4 / 3 * self.t["modal.drag_rest"] * (area @ kappa / area.sum()) * w
-
-    def gust_step(self, p: Any, gusts: Any) -> None:
-        r00, r01, r10, r11, s0, s1 = self.t["gusts.step"].T
-        local = (np.outer(gusts[:, 0], p) + np.outer(gusts[:, 1], [-p[1], p[0]])).ravel()
-        f = self.t["gusts.load"] @ local if len(local) else np.zeros(self.layer)
-        mean = self.gv + 0.5 * (r10 * self.ge + r11 * self.gv + s1 * f)
-        kappa = size(p) / speed_of(size(p), self.exponent) if size(p) > 0 else 0.0
-        delta = self.t["gusts.drag"] * kappa
-        f = f - delta * mean / (1 + 0.5 * delta * s1)
-        e, v = self.ge, self.gv
-        self.ge, self.gv = e + r00 * e + r01 * v + s0 * f, v + r10 * e + r11 * v + s1 * f
-        if not p.any() and max(abs(self.ge).max(), abs(self.gv).max()) < 1e-6:
-            self.ge, self.gv = np.zeros((2, self.layer))
-        self.now[self.fitted :] = self.ge
 
     def search_step(self, p: Any, last: Any) -> None:
         rule, t = self.metadata["paper"]["weight"], self.t
@@ -147,7 +137,7 @@ class Tree:
         m = self.found(p, still, np.ones(len(still), bool)) if m < 0 else m
         follows = self.record >= 0 and m == self.record + 1
         self.weight = min(rule["maximum"], self.weight + rule["growth"]) if follows else rule["initial"]
-        self.record, self.now[: self.fitted] = m, self.eased(m, last)
+        self.record, self.now = m, self.eased(m, last)
 
     def found(self, p: Any, still: Any, allowed: Any) -> int:
         """The record of the next step among those allowed; −1: none."""
@@ -170,7 +160,7 @@ class Tree:
     def eased(self, m: int, last: Any) -> Any:
         """The pose after record m; `last` is the tree's last step."""
         dq, start, easing = self.t["samples.dq"], self.t["samples.trajectory"], self.easing
-        now, first = self.now[: self.fitted], int(start[start <= m].max())
+        now, first = self.now, int(start[start <= m].max())
         if easing == 0:
             return now + dq[m]
         pose = dq[first:m].sum(0)
@@ -200,6 +190,6 @@ def play(tree: Tree, wind: dict[str, Any], velocity: Velocity, x: float, z: floa
         w = faster * np.asarray(velocity(x, z, frame * dt_s))
         p = w * pressure(size(w), exponent) / max(size(w), 1e-30)
         p = compressed(p, strongest, tree.t["modal.limits"][2])
-        places = tree.places(tree.t["gusts.place"], x, z)
+        places = tree.places(tree.t["modal.place"], x, z)
         gusts = crown_gusts(wind, field, places, p, frame * dt_s, exponent)
         yield tree.advance(dt_s, p, gusts)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
-from galewood.pipeline.reduction.oscillators import Exposure, Oscillators
+from galewood.pipeline.reduction.oscillators import Exposure, Oscillators, in_gusts
 from galewood.solid.fem import Drag
 from galewood.util import Array
 
@@ -40,7 +40,13 @@ class Beam:
         parts = (self.drag.exposed_m2, self.drag.share, self.drag.profile)
         exposure = Exposure(*parts, self.streamlined_exponent, self.rest_m)
         load = shapes @ wind.reshape(-1, 2)
-        return Oscillators(np.sqrt(squared), shapes @ self.damping @ modes, shapes, load, exposure)
+        damping = shapes @ self.damping @ modes
+        return in_gusts(Oscillators(np.sqrt(squared), damping, shapes, load, exposure))
+
+    @property
+    def place_m(self) -> Array:
+        """(n, 3) masses at rest, m."""
+        return self.rest_m
 
     @property
     def first_hz(self) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse
 from galewood.motion.wind.evaluation import Wind, wind_pressure
 from galewood.pipeline.reduction.training import ModalTraining, Size
-from galewood.pipeline.sampling import training_shapes
+from galewood.pipeline.sampling import gust_shapes, training_shapes
 from galewood.pipeline.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
 from galewood.pipeline.tables.assemble import TableContext, assemble_table
 from galewood.pipeline.tables.options import TableSettings
@@ -50,6 +50,8 @@ SWAY_SAID = {
 """What ``sway_steps`` does, for readers of its file."""
 KINDS = tuple(f"{kind}-{d:03d}" for kind in ("cosine-1", "cosine-5", "gust") for d in (0, 120, 240))
 SMALL = TableSettings(sigma_share=0.3, weight_initial=0.3, weight_maximum=0.5, weight_growth=0.01)
+GUST_RUNS = 6
+"""Training runs of the small system with gusts that differ from mass to mass."""
 SAVED_EVERY = 10
 
 
@@ -115,9 +117,10 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
     }
     runs = beam_runs(beam, frames)
     shapes = training_shapes(beam.first_hz, beam.dt_s, beam.streamlined_exponent)
+    shapes += gust_shapes(beam.dt_s, beam.streamlined_exponent, count=GUST_RUNS)
     winds = [shape.at(12.0) for shape in shapes]
     training = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
-    training = ModalTraining(beam.oscillators(), scheme(beam), training, sizes=[Size(5, 3, 5)])
+    training = ModalTraining(beam.oscillators(), scheme(beam), training, size=Size(5, 3, 5))
     of = TableContext(beam.mass_kg, beam_mesh(beam), description, settings)
     return assemble_table(runs, beam_winds(beam, frames), training, of)
 

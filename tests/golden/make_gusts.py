@@ -1,7 +1,7 @@
 """Write the golden motion of trees in a wind field: ``python -m tests.golden.make_gusts``.
 
 It covers what lies between a wind document and the poses: the pressure at every tree and its compression
-beyond the sampled range, the gusts within the crowns, the modal model and the gust layer.
+beyond the sampled range, the gusts within the crowns, and the modal model.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def motion(table: Table) -> list[list[float]]:
 
 def gusts(table: Table) -> list[float]:
     """Relative gusts at the places of every tree at one moment."""
-    place = np.ascontiguousarray(table.gust_place, np.float64)
+    place = np.ascontiguousarray(table.modal_place, np.float64)
     x, z, yaw, size = rows().astype(np.float32).astype(np.float64).T.copy()
     turn = np.column_stack([np.cos(yaw), np.sin(yaw)])
     out = np.zeros((len(x), 2 * len(place)))

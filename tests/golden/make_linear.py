@@ -21,14 +21,13 @@ LEFT_OUT = ["large deflections", "streamlining"]
 def linear_table(table: Table) -> Table:
     """The oscillators of a table without couplings, without further modes and without records."""
     d = len(table.modal_step)
-    kept = np.r_[:d, table.fitted_modes : len(table.mode_scale)]
     provenance = {**table.metadata["provenance"], "preliminary": True, "left_out": LEFT_OUT}
     return replace(
         table,
-        metadata={**table.metadata, "modes": len(kept), "provenance": provenance},
-        mode_scale=table.mode_scale[kept],
-        node_basis=table.node_basis[:, :, kept],
-        node_turn=table.node_turn[:, :, kept],
+        metadata={**table.metadata, "modes": d, "provenance": provenance},
+        mode_scale=table.mode_scale[:d],
+        node_basis=np.ascontiguousarray(table.node_basis[:, :, :d]),
+        node_turn=np.ascontiguousarray(table.node_turn[:, :, :d]),
         modal_force=np.zeros((force_terms(0), d), np.float32),
         modal_pose=np.zeros((d + 2 + shape_terms(0), 0), np.float32),
         modal_limits=table.modal_limits[:3],

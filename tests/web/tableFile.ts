@@ -2,14 +2,6 @@
 
 type Change = (header: Record<string, never>, metadata: Record<string, unknown>) => void;
 
-/** The gust layer of a table that has none. */
-export const NO_GUSTS = {
-  place: new Float32Array(0),
-  step: new Float32Array(0),
-  load: new Float32Array(0),
-  drag: new Float32Array(0),
-};
-
 /** The file with its header rewritten. */
 export function tampered(file: Uint8Array, change: Change): Uint8Array {
   const length = new DataView(file.buffer, file.byteOffset).getUint32(0, true);

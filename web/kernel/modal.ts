@@ -24,8 +24,10 @@ export let stepping: usize = 0;
 export let pull: usize = 0;
 /** [2, d] */
 export let sway: usize = 0;
-/** [44 + 6c, d] */
+/** [44 + 6c + 2G, d] ends with the loads of the places: along x of all places, then along z */
 export let force: usize = 0;
+/** [G] weights of the places in the mean gust over the crown */
+export let meanGust: usize = 0;
 /** [d] */
 export let shown: usize = 0;
 /** [d + 9 + 2c, r − d], the rows of the coordinates apart from the others */
@@ -42,9 +44,13 @@ export let dragPoint: usize = 0;
 export let dragIn: usize = 0;
 export let dragOut: usize = 0;
 export let dragRest: usize = 0;
+/** [G, points] gust at each point per unit of those at the places */
+export let dragPlace: usize = 0;
+/** [2, points] pressure of the wind at each point along x, then along z, Pa */
+export let air: usize = 0;
 /** [3 · points] */
 export let dragForce: usize = 0;
-/** Room for the terms, and for one row of oscillators and one of further modes. */
+/** Room for the terms, which end with the gusts at the places, [2, G] Pa, and for one row of oscillators and one of further modes. */
 export let terms: usize = 0;
 export let ahead: usize = 0;
 export let total: usize = 0;
@@ -56,6 +62,9 @@ export let now: usize = 0;
 export let before: usize = 0;
 /** [count] */
 export let extrapolationRatio: usize = 0;
+
+/** So that the division by no wind gives no speed. */
+const LEAST_PA: f32 = 1e-30;
 
 /** Return value of functions that return a pair. */
 let pairX: f32 = 0;
@@ -207,7 +216,7 @@ function addRows(matrix: usize, factors: usize, count: i32, row: usize, out: usi
   }
 }
 
-/** All terms of the force at the midpoint of the step, extrapolated from the current state. */
+/** All terms of the force at the midpoint of the step, extrapolated from the current state, in the mean wind (Pa). */
 // @ts-ignore: decorator
 @inline
 function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void {
@@ -259,15 +268,29 @@ function writeMeanSpeed(position: usize, speed: usize): void {
   }
 }
 
+/** The wind at the drag points, in `air`: that at the tree plus the gusts of the places around. */
+// @ts-ignore: decorator
+@inline
+function writeAir(px: f32, pz: f32, gusts: usize, places: i32): void {
+  const side: usize = 4 * dragPoints;
+  for (let j: usize = 0; j < side; j += 16) {
+    let x = f32x4.splat(px);
+    let z = f32x4.splat(pz);
+    for (let g = 0, at = dragPlace + j; g < places; g++, at += side) {
+      const weight = v128.load(at);
+      x = f32x4.add(x, f32x4.mul(weight, v128.load32_splat(gusts + 4 * g)));
+      z = f32x4.add(z, f32x4.mul(weight, v128.load32_splat(gusts + 4 * (places + g))));
+    }
+    v128.store(air + j, x);
+    v128.store(air + side + j, z);
+  }
+}
+
 /** Adds the drag at the speeds in `ahead` to `total`: four points at a time. */
 // @ts-ignore: decorator
 @inline
-function addDrag(px: f32, pz: f32): void {
-  const wind = sqrt(px * px + pz * pz);
-  const along: f32 = wind > 0 ? (1.0 as f32) / wind : 0;
+function addDrag(): void {
   const side: usize = 4 * dragPoints;
-  const pressureX = f32x4.splat(px);
-  const pressureZ = f32x4.splat(pz);
   let mean = f32x4.splat(0);
   for (let j: usize = 0; j < side; j += 16) {
     let x = f32x4.splat(0);
@@ -281,9 +304,13 @@ function addDrag(px: f32, pz: f32): void {
     }
     const area = v128.load(dragPoint + j);
     const share = v128.load(dragPoint + side + j);
-    const air = f32x4.mul(shelteredSpeeds(f32x4.mul(share, f32x4.splat(wind)), exponent), f32x4.splat(along));
-    x = f32x4.sub(f32x4.mul(air, pressureX), x);
-    z = f32x4.sub(f32x4.mul(air, pressureZ), z);
+    const pressureX = v128.load(air + j);
+    const pressureZ = v128.load(air + side + j);
+    const wind = f32x4.sqrt(f32x4.add(f32x4.mul(pressureX, pressureX), f32x4.mul(pressureZ, pressureZ)));
+    const speed = shelteredSpeeds(f32x4.mul(share, wind), exponent);
+    const perPressure = f32x4.div(speed, f32x4.max(wind, f32x4.splat(LEAST_PA)));
+    x = f32x4.sub(f32x4.mul(perPressure, pressureX), x);
+    z = f32x4.sub(f32x4.mul(perPressure, pressureZ), z);
     const square = f32x4.add(f32x4.mul(x, x), f32x4.add(f32x4.mul(y, y), f32x4.mul(z, z)));
     const per = perSpeeds(f32x4.sqrt(square), exponent);
     mean = f32x4.add(mean, f32x4.mul(per, v128.load(dragPoint + 2 * side + j)));
@@ -321,14 +348,17 @@ function move(position: usize, speed: usize): void {
   }
 }
 
-/** Writes the pose of the current state, keeps the previous one, and updates the extrapolation ratio. */
+/**
+ * Writes the pose of the current state in the mean wind over the crown (Pa), keeps the previous one, and updates the
+ * extrapolation ratio.
+ */
 // @ts-ignore: decorator
 @inline
-function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
+function writePose(tree: i32, position: usize, px: f32, pz: f32, strength: f32): void {
   projectOnSway(position);
   const far = load<f32>(limits);
   const reach = sqrt(pairX * pairX + pairY * pairY) / far;
-  const pressed = sqrt(px * px + pz * pz) / load<f32>(limits, 8);
+  const pressed = strength / load<f32>(limits, 8);
   store<f32>(extrapolationRatio + 4 * tree, max(reach, pressed));
   clampPair(MODAL_REACH * far);
   // Behind the pressure, which the pose is linear in, the same terms as the force's first ones.
@@ -351,26 +381,39 @@ function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
   addRows(poseTerms + 2 * furtherRow, terms, 7 + 2 * coupled, furtherRow, to + ownRow);
 }
 
-/** Advances a tree by one table step under a pressure (Pa) in its own frame. */
-export function step(tree: i32, px: f32, pz: f32): void {
+/**
+ * Advances a tree by one table step under a pressure (Pa) in its own frame and the gusts behind the terms. `places`: G, or
+ * 0 if there are no gusts.
+ */
+export function step(tree: i32, px: f32, pz: f32, places: i32): void {
   const position = e + ownRow * tree;
   const speed = v + ownRow * tree;
-  writeForceTerms(position, speed, px, pz);
+  const count = 44 + 6 * coupled;
+  const gusts = terms + 4 * count;
+  let feltX = px;
+  let feltZ = pz;
+  for (let g = 0; g < places; g++) {
+    const weight = load<f32>(meanGust + 4 * g);
+    feltX += weight * load<f32>(gusts + 4 * g);
+    feltZ += weight * load<f32>(gusts + 4 * (places + g));
+  }
+  writeForceTerms(position, speed, feltX, feltZ);
   const x = f32x4.splat(px);
   const z = f32x4.splat(pz);
   for (let k: usize = 0; k < ownRow; k += 16) {
     const a = f32x4.mul(x, v128.load(pull + k));
     v128.store(total + k, f32x4.add(a, f32x4.mul(z, v128.load(pull + ownRow + k))));
   }
-  addRows(force, terms, 44 + 6 * coupled, ownRow, total);
+  addRows(force, terms, count + 2 * places, ownRow, total);
   if (dragPoints > 0) {
     writeMeanSpeed(position, speed);
-    addDrag(px, pz);
+    writeAir(px, pz, gusts, places);
+    addDrag();
   }
   move(position, speed);
   if (px == 0 && pz == 0 && isAtRest(position, speed)) {
     memory.fill(position, 0, ownRow);
     memory.fill(speed, 0, ownRow);
   }
-  writePose(tree, position, px, pz);
+  writePose(tree, position, feltX, feltZ, sqrt(px * px + pz * pz));
 }

@@ -112,10 +112,7 @@ class TableRequest(BaseModel):
     frames: int = Field(default=180, ge=2, le=1800, description="Frames of each of the paper's cosine winds.")
     seed: int = Field(default=TRAINING_SEED, ge=0, lt=2**31, description="Seed of the training winds.")
     modes: int | None = Field(
-        default=None,
-        ge=2,
-        le=64,
-        description="Oscillators of the modal model; default: 16, or 32 where the training error needs it.",
+        default=None, ge=2, le=64, description="Oscillators of the modal model; default: 24."
     )
     paper: bool = Field(
         default=True, description="Compute the records of the paper's method after the table."

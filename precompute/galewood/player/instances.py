@@ -11,28 +11,23 @@ from galewood.util import Array, Floats
 
 
 @dataclass(frozen=True)
-class Stepping:
-    """Where trees stand and how far they step next: arrays of their instances, not copies."""
+class Standing:
+    """Where trees stand: arrays of their instances, not copies."""
 
     x_m: Array  # (n,)
     z_m: Array  # (n,)
     turn: Floats  # (n, 2) cosine and sine of the yaw
     size: Floats  # (n,) scale
-    rate: Floats  # (n,) table steps of the frame
-    phase: Floats  # (n,) fraction of a table step since the last one
 
 
 class TreeInstances:
     """State of the trees that both methods share."""
 
-    def __init__(self, count: int, mode_scale: npt.NDArray[np.float32], dt_s: float, stepped: int) -> None:
-        """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q.
-
-        The method determines the first ``stepped`` modes, the gust layer the rest.
-        """
+    def __init__(self, count: int, mode_scale: npt.NDArray[np.float32], dt_s: float) -> None:
+        """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q."""
         modes = len(mode_scale)
         self._scale, self._dt_s = mode_scale.astype(np.float64), dt_s
-        self._now, self._before = np.zeros((count, stepped)), np.zeros((count, stepped))
+        self._now, self._before = np.zeros((count, modes)), np.zeros((count, modes))
         self._phase, self._rate, self._size = np.zeros(count), np.zeros(count), np.ones(count)
         self._turn = np.tile(np.array([1.0, 0.0]), (count, 1))
         self.x_m, self.z_m = np.zeros(count, np.float32), np.zeros(count, np.float32)
@@ -50,19 +45,16 @@ class TreeInstances:
         self._turn[:, 1] = np.sin(yaw).astype(np.float32)
         self._size[:] = np.asarray(scale, np.float32)
 
-    def stepping(self, dt_s: float) -> Stepping:
-        """How far the trees step in the next frame of dt_s seconds."""
-        self._set_rate(dt_s)
-        return Stepping(self.x_m, self.z_m, self._turn, self._size, self._rate, self._phase)
-
-    def _set_rate(self, dt_s: float) -> None:
-        np.divide(dt_s / self._dt_s, self._size, out=self._rate)
+    @property
+    def standing(self) -> Standing:
+        """Where the trees stand."""
+        return Standing(self.x_m, self.z_m, self._turn, self._size)
 
     def _begin(
         self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike
     ) -> tuple[Floats, Floats]:
         """Set the steps of each tree in dt_s (large trees sway slower); return the pressures as float64."""
-        self._set_rate(dt_s)
+        np.divide(dt_s / self._dt_s, self._size, out=self._rate)
         return np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
 
     def poses(self) -> npt.NDArray[np.int32]:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from galewood.motion.modal import ModalTensors, advance_trees, float64_tensors, working_room
 from galewood.player.instances import TreeInstances
-from galewood.util import Singles
+from galewood.util import Floats, Singles
 
 
 class ModalForest(TreeInstances):
@@ -22,21 +22,31 @@ class ModalForest(TreeInstances):
 
     def __init__(self, modal: ModalTensors, dt_s: float, mode_scale: Singles, count: int) -> None:
         """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q."""
-        super().__init__(count, mode_scale, dt_s, modal.modes)
+        super().__init__(count, mode_scale, dt_s)
         self._tensors, self._batch = float64_tensors(modal), working_room(modal)
         d = len(modal.step)
         self._shown = modal.shown.astype(np.float64)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))
-        self._turned = np.zeros((count, 2))
+        self._turned, self._no_gusts = np.zeros((count, 2)), np.zeros((count, 0))
         self.extrapolation_ratio = np.zeros(count, np.float32)
         """(count,) sway or pressure over the largest sampled value; above 1 the motion is extrapolated."""
 
-    def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
-        """Advance by dt_s seconds under world pressures (count,) in Pa. Large trees sway slower."""
-        pressure = self._begin(dt_s, pressure_x, pressure_z)
+    def advance(
+        self,
+        dt_s: float,
+        pressure_x: npt.ArrayLike,
+        pressure_z: npt.ArrayLike,
+        gusts: Floats | None = None,
+    ) -> None:
+        """Advance by dt_s seconds under world pressures (count,) in Pa. Large trees sway slower.
+
+        ``gusts`` (count, 2G) are the relative gusts at the places of each crown (``PlaceGusts``); None: the
+        wind is the same everywhere in a crown.
+        """
+        wind = (*self._begin(dt_s, pressure_x, pressure_z), self._no_gusts if gusts is None else gusts)
         state = (self._e, self._v, self._turned, self._now, self._before, self.extrapolation_ratio)
         advance_trees(
-            self._tensors, self._dt_s / 2, self._batch, self._rate, self._turn, pressure, self._phase, state,
+            self._tensors, self._dt_s / 2, self._batch, self._rate, self._turn, wind, self._phase, state,
             self.q,
         )  # fmt: skip
 

@@ -277,7 +277,7 @@ class PaperForest(TreeInstances):
         pose_easing: 0..1, how fast the pose approaches that of the record found; None: the table's value.
         still_air: in still air search only records of still air, otherwise only records of moving air.
         """
-        super().__init__(count, table.mode_scale, float(table.metadata["dt_s"]), table.fitted_modes)
+        super().__init__(count, table.mode_scale, float(table.metadata["dt_s"]))
         metadata = table.records.metadata
         easing = metadata["pose_easing"] if pose_easing is None else pose_easing
         self._lookup = lookup_arrays(table)

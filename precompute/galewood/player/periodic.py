@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from galewood.motion.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor
-from galewood.player.gust_layer import GustLayer
 from galewood.player.modal_forest import ModalForest
+from galewood.player.place_gusts import PlaceGusts
 from galewood.solid.skinning import node_pose
 from galewood.table import Table
 from galewood.util import Floats
@@ -45,7 +45,7 @@ class PeriodicMotion:
 
 @dataclass(frozen=True)
 class _Pressures:
-    """Pressures (T, 1) at the tree, x and z, and (T, 1, 2G) in addition at the places of its crown; Pa."""
+    """Pressures (T, 1) at the tree, x and z, Pa, and relative gusts (T, 1, 2G) at the places of its crown."""
 
     x: Floats
     z: Floats
@@ -73,16 +73,15 @@ def _recorded(table: Table, wind: Wind, count: int) -> _Pressures:
     factor = height_factor(height_m, wind.height_exponent, wind.reference_height_m)
     exponent = table.streamlined_exponent
     peak_pa = dynamic_pressure(wind.mean_speed_m_s * (1.0 + wind.gustiness) * factor, exponent)
-    forest, layer, ratio = _tree(table), GustLayer(table.gusts, 1), np.zeros(1)
+    forest, places, ratio = _tree(table), PlaceGusts(table.modal_place, exponent, 1), np.zeros(1)
     found = _Pressures(
-        np.zeros((count, 1)), np.zeros((count, 1)), np.zeros((count, 1, 2 * len(table.gust_place)))
+        np.zeros((count, 1)), np.zeros((count, 1)), np.zeros((count, 1, 2 * len(table.modal_place)))
     )
     for k in range(count):
         now_s, x, z = START_S + k * dt_s, found.x[k], found.z[k]
         field.pressure(place, place, now_s, x, z, exponent, factor)
         compress_pressure(x, z, peak_pa, float(table.modal_limits[2]), ratio)
-        if found.gusts.size:
-            found.gusts[k] = layer.gusts_at(field, now_s, forest.stepping(dt_s), x, z)
+        found.gusts[k] = places.at(field, now_s, forest.standing, x, z)
     return found
 
 
@@ -112,19 +111,14 @@ def _tree(table: Table) -> ModalForest:
 
 def _steady(table: Table, pressures: _Pressures, dt_s: float) -> PeriodicMotion:
     """Play the period until the motion repeats."""
-    forest, layer = _tree(table), GustLayer(table.gusts, 1)
+    forest = _tree(table)
     steps, height_m = len(pressures.x), float(table.metadata["height_m"])
-    modes = slice(table.fitted_modes, None)
     dt_s_up = dt_s * (1 + 1e-12)  # so that rounding never skips a step
     track = np.zeros((steps, forest.q.shape[1]))
     periods = 0
     while True:
         for k in range(steps):
-            x, z = pressures.x[k], pressures.z[k]
-            if pressures.gusts.size:
-                gusts = np.ascontiguousarray(pressures.gusts[k])
-                layer.advance_under(gusts, forest.stepping(dt_s_up), x, z, forest.q[:, modes])
-            forest.advance(dt_s_up, x, z)
+            forest.advance(dt_s_up, pressures.x[k], pressures.z[k], pressures.gusts[k])
             if k == 0 and periods:
                 after = forest.q[0].astype(np.float64)
                 seam = _farthest_m(table, after - track[0]) / height_m

@@ -92,8 +92,7 @@ def static_pose(table: Table, oscillators: Floats) -> Floats:
     d = len(table.modal_shown)
     shown = table.modal_shown.astype(np.float64)[:, None] * oscillators
     further = table.modal_pose[:d].astype(np.float64).T @ oscillators
-    gusts = np.zeros((len(table.gust_step), 3))  # the gust layer does not take part
-    return np.concatenate([shown, further, gusts])
+    return np.concatenate([shown, further])
 
 
 def whole_compliance(compliance: Compliance, vertex: int) -> tuple[Floats, float]:

@@ -14,9 +14,9 @@ from galewood.motion.wind import (
     limit_pressure,
 )
 from galewood.options import Method
-from galewood.player.gust_layer import GustLayer
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
+from galewood.player.place_gusts import PlaceGusts
 from galewood.table import Table
 from galewood.util import Singles
 
@@ -52,9 +52,8 @@ class WindDrivenTrees:
         self._ratio = np.zeros(count)
         self._forest = forest_of(table, count, method, pose_easing)
         self._forest.set_trees(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
-        self._gusts = GustLayer(table.gusts, count) if isinstance(self._forest, ModalForest) else None
-        self._gust_modes = slice(table.fitted_modes, None)
-        if self._gusts:
+        self._gusts = PlaceGusts(table.modal_place, table.streamlined_exponent, count)
+        if isinstance(self._forest, ModalForest):
             self._most_pa = float(table.modal_limits[2])
 
     @property
@@ -82,13 +81,13 @@ class WindDrivenTrees:
         self._set_strength(field.at(time_s).wind)
         out = (self._pressure_x, self._pressure_z)
         field.pressure(self._x_m, self._z_m, time_s, *out, self._exponent, self._height_factor)
-        if self._gusts:
+        if isinstance(self._forest, ModalForest):
             compress_pressure(*out, self._peak_pa, self._most_pa, self._ratio)
-            q = self._forest.q[:, self._gust_modes]
-            self._gusts.advance(field, time_s, self._forest.stepping(dt_s), *out, q)
+            gusts = self._gusts.at(field, time_s, self._forest.standing, *out)
+            self._forest.advance(dt_s, *out, gusts)
         else:
             limit_pressure(*out, self._most_pa)
-        self._forest.advance(dt_s, *out)
+            self._forest.advance(dt_s, *out)
 
     def _set_strength(self, wind: Wind) -> None:
         """Update the height factors and the pressures of the strongest gusts if the wind has changed."""

@@ -2,7 +2,7 @@
 
 from galewood.table.compliance import Compliance, decode_compliance, encode_compliance
 from galewood.table.container import Foliage, Metadata, TableError, read_metadata
-from galewood.table.format import Table, decode, encode, with_records, without_gusts
+from galewood.table.format import Table, decode, encode, with_records
 from galewood.table.records import Records, encode_records
 
 __all__ = [
@@ -19,5 +19,4 @@ __all__ = [
     "encode_records",
     "read_metadata",
     "with_records",
-    "without_gusts",
 ]

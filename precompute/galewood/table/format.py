@@ -15,10 +15,9 @@ import numpy.typing as npt
 
 from galewood.constants import (
     MAX_DRAG_POINTS,
-    MAX_GUST_OSCILLATORS,
-    MAX_GUST_PLACES,
     MAX_MODES,
     MAX_OSCILLATORS,
+    MAX_PLACES,
     TABLE_FORMAT,
     TABLE_RANGES,
     TABLE_TENSORS,
@@ -53,7 +52,7 @@ from galewood.table.records import (
 )
 
 if TYPE_CHECKING:
-    from galewood.motion.modal import GustTensors, ModalTensors
+    from galewood.motion.modal import ModalTensors
 
 
 @dataclass(frozen=True)
@@ -75,15 +74,14 @@ class Table:
     modal_sway: npt.NDArray[np.float32]  # (2, d)
     modal_force: npt.NDArray[np.float32]  # (44 + 6c, d)
     modal_shown: npt.NDArray[np.float32]  # (d,)
-    modal_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - L - d)
+    modal_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - d)
     modal_limits: npt.NDArray[np.float32]  # (3 + 2c,)
     modal_drag_point: npt.NDArray[np.float32]  # (m, 2)
     modal_drag_shape: npt.NDArray[np.float32]  # (3, m, d)
     modal_drag_rest: npt.NDArray[np.float32]  # (d,)
-    gust_place: npt.NDArray[np.float32]  # (G, 3); gust_*: see galewood.motion.modal.GustTensors
-    gust_step: npt.NDArray[np.float32]  # (L, 6)
-    gust_load: npt.NDArray[np.float32]  # (L, 2G)
-    gust_drag: npt.NDArray[np.float32]  # (L,)
+    modal_drag_place: npt.NDArray[np.float32]  # (m, G)
+    modal_place: npt.NDArray[np.float32]  # (G, 3)
+    modal_place_load: npt.NDArray[np.float32]  # (d, 2, G)
     paper: Records | None = None
     """Records of the paper's state search, if the table has them."""
 
@@ -95,17 +93,9 @@ class Table:
         return ModalTensors(
             self.modal_step, self.modal_load, self.modal_sway,
             self.modal_force, self.modal_shown, self.modal_pose, self.modal_limits,
-            self.modal_drag_point, self.modal_drag_shape, self.modal_drag_rest, self.streamlined_exponent,
+            self.modal_drag_point, self.modal_drag_shape, self.modal_drag_rest, self.modal_drag_place,
+            self.modal_place, self.modal_place_load, self.streamlined_exponent,
         )  # fmt: skip
-
-    @property
-    def gusts(self) -> GustTensors:
-        """Tensors of the gust layer."""
-        from galewood.motion.modal import GustTensors  # loads numba
-
-        return GustTensors(
-            self.gust_place, self.gust_step, self.gust_load, self.gust_drag, self.streamlined_exponent
-        )
 
     @property
     def vertex_node(self) -> npt.NDArray[np.uint16]:
@@ -115,9 +105,9 @@ class Table:
         return nearer[self.vertex_joint]
 
     @property
-    def fitted_modes(self) -> int:
-        """r − L: the modes of the modal model and of the paper's records; the last L are the gust layer's."""
-        return int(self.metadata["modes"]) - len(self.gust_step)
+    def modes(self) -> int:
+        """r."""
+        return int(self.metadata["modes"])
 
     @property
     def records(self) -> Records:
@@ -128,11 +118,8 @@ class Table:
 
     @property
     def recorded_q_m(self) -> npt.NDArray[np.float64]:
-        """(z, r) poses of the records, m; they have no gusts. Raises TableError if the table has none."""
-        q = np.zeros((len(self.records.dq), int(self.metadata["modes"])))
-        fitted = self.fitted_modes
-        q[:, :fitted] = self.records.pose() * self.mode_scale[:fitted].astype(np.float64)
-        return q
+        """(z, r) poses of the records, m. Raises TableError if the table has none."""
+        return self.records.pose() * self.mode_scale.astype(np.float64)
 
     @property
     def peak_pressure_pa(self) -> float:
@@ -172,28 +159,11 @@ TABLE_LAYOUT: Layout = layout(
         "modal.drag_point": "modal_drag_point",
         "modal.drag_shape": "modal_drag_shape",
         "modal.drag_rest": "modal_drag_rest",
-        "gusts.place": "gust_place",
-        "gusts.step": "gust_step",
-        "gusts.load": "gust_load",
-        "gusts.drag": "gust_drag",
+        "modal.drag_place": "modal_drag_place",
+        "modal.place": "modal_place",
+        "modal.place_load": "modal_place_load",
     },
 )
-
-
-def without_gusts(table: Table) -> Table:
-    """The table without its gust layer: only the modes that one pressure per tree moves."""
-    fitted = table.fitted_modes
-    return replace(
-        table,
-        metadata={**table.metadata, "modes": fitted},
-        mode_scale=table.mode_scale[:fitted],
-        node_basis=np.ascontiguousarray(table.node_basis[:, :, :fitted]),
-        node_turn=np.ascontiguousarray(table.node_turn[:, :, :fitted]),
-        gust_place=table.gust_place[:0],
-        gust_step=table.gust_step[:0],
-        gust_load=table.gust_load[:0, :0],
-        gust_drag=table.gust_drag[:0],
-    )
 
 
 def encode(table: Table) -> bytes:
@@ -219,7 +189,7 @@ def decode(data: bytes, records: bytes | None = None) -> Table:
     table = Table(metadata, **fields(tensors, TABLE_LAYOUT))
     check(table)
     if paper is not None:
-        return replace(table, paper=read_records(paper, tensors, table.fitted_modes))
+        return replace(table, paper=read_records(paper, tensors, table.modes))
     return with_records(table, records, hashlib.sha256(data).hexdigest()) if records else table
 
 
@@ -227,7 +197,7 @@ def with_records(table: Table, records: bytes, table_sha256: str) -> Table:
     """The table with the records of a file that was made for it. Raises TableError."""
     paper, belongs_to = decode_records(records)
     need(belongs_to == table_sha256, "these records belong to another table")
-    check_records(paper, table.fitted_modes)
+    check_records(paper, table.modes)
     return replace(table, paper=paper)
 
 
@@ -238,7 +208,7 @@ def check(table: Table) -> None:
     _check_numbers(table)
     _check_modal(table)
     if table.paper is not None:
-        check_records(table.paper, table.fitted_modes)
+        check_records(table.paper, table.modes)
 
 
 def check_metadata(metadata: Metadata) -> None:
@@ -257,16 +227,11 @@ def check_metadata(metadata: Metadata) -> None:
 def _check_shapes(table: Table) -> None:
     from galewood.motion.modal import force_terms, shape_terms
 
-    r, n, joints = int(table.metadata["modes"]), len(table.node_rest_m), len(table.joint_share)
+    r, n, joints = table.modes, len(table.node_rest_m), len(table.joint_share)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])
-    d, oscillators, places = len(table.modal_step), len(table.gust_step), len(table.gust_place)
-    need(
-        oscillators <= MAX_GUST_OSCILLATORS,
-        f"tensor gusts.step: expected at most {MAX_GUST_OSCILLATORS} rows",
-    )
-    need(places <= MAX_GUST_PLACES, f"tensor gusts.place: expected at most {MAX_GUST_PLACES} rows")
-    fitted = r - oscillators
-    most = min(MAX_OSCILLATORS, fitted)
+    d, places = len(table.modal_step), len(table.modal_place)
+    need(places <= MAX_PLACES, f"tensor modal.place: expected at most {MAX_PLACES} rows")
+    most = min(MAX_OSCILLATORS, r)
     need(2 <= d <= most, f"tensor modal.step: expected 2..{most} rows")
     c, odd = divmod(len(table.modal_limits) - 3, 2)
     need(not odd and 0 <= c <= d - 2, f"tensor modal.limits: expected 3, 5, … {2 * d - 1} numbers")
@@ -287,15 +252,14 @@ def _check_shapes(table: Table) -> None:
         "modal.sway": (2, d),
         "modal.force": (force_terms(c), d),
         "modal.shown": (d,),
-        "modal.pose": (d + 2 + shape_terms(c), fitted - d),
+        "modal.pose": (d + 2 + shape_terms(c), r - d),
         "modal.limits": (3 + 2 * c,),
         "modal.drag_point": (m, 2),
         "modal.drag_shape": (3, m, d),
         "modal.drag_rest": (d,),
-        "gusts.place": (places, 3),
-        "gusts.step": (oscillators, 6),
-        "gusts.load": (oscillators, 2 * places),
-        "gusts.drag": (oscillators,),
+        "modal.drag_place": (m, places),
+        "modal.place": (places, 3),
+        "modal.place_load": (d, 2, places),
     }
     check_shapes(table, TABLE_LAYOUT, expected)
 
@@ -322,9 +286,7 @@ def _check_modal(table: Table) -> None:
         (area >= 0).all() and (share >= 0).all() and (share <= 1).all() and bool(area.any() or not len(area))
     )
     need(bool(inside), "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1")
-    need(bool((table.gust_drag >= 0).all()), "tensor gusts.drag: negative")
-    for name, step in (("modal.step", table.modal_step), ("gusts.step", table.gust_step)):
-        need(_contracts(step), f"tensor {name}: an oscillator that does not come to rest")
+    need(_contracts(table.modal_step), "tensor modal.step: an oscillator that does not come to rest")
 
 
 def _contracts(step: npt.NDArray[np.float32]) -> bool:

@@ -24,13 +24,14 @@ UNSUPPORTED = ("external-buffers",)
 QUICK = BuildOptions(frames=24, reference_frames=0)
 """All stages of a build, with short winds."""
 TRAINING_WINDS = 5
-"""Only the first of the training winds of the modal model."""
+"""Only the first of the training winds of the modal model, of each kind."""
 
 
 @pytest.mark.skipif(not FILES, reason="CORPUS is not set to a folder with trees")
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
 def test_real_tree(path, tmp_path, monkeypatch):
     monkeypatch.setattr(wind_scale, "WIND_COUNT", TRAINING_WINDS)
+    monkeypatch.setattr(wind_scale, "GUST_WIND_COUNT", TRAINING_WINDS)
     begin = perf_counter()
     try:
         built = build_table(path.read_bytes(), path.name, QUICK, cache_dir=CACHE or tmp_path)

@@ -17,8 +17,9 @@ from galewood.motion.modal import (
 from galewood.pipeline.reduction import output_error
 from galewood.pipeline.reduction.modal_fit import force_table
 from galewood.pipeline.reduction.modal_runs import ModalRun
-from galewood.pipeline.reduction.oscillators import propagators
+from galewood.pipeline.reduction.oscillators import felt_wind, propagators
 from galewood.pipeline.reduction.training_error import simulated_q
+from galewood.pipeline.sampling import CrownGusts
 from galewood.solid.fem import FemSettings
 from galewood.table.format import decode
 from galewood.util import Floats
@@ -69,17 +70,18 @@ def test_gradient_of_the_drag_is_that_of_differences(speed_m_s: float, exponent:
     d, points = 10, 3
     point = np.stack([rng.uniform(1, 5, points), rng.uniform(0.2, 1, points)], axis=1)
     tensors = drag_tensors(point, rng.normal(size=(3, points, d)), rng.uniform(0, 2, d), exponent)
-    v, pressure = speed_m_s * rng.normal(size=(d, LANES)), 0.6 * speed_m_s**2 * rng.normal(size=(2, LANES))
-    pressure[:, 0] = 0.0  # still air
+    v = speed_m_s * rng.normal(size=(d, LANES))
+    air = 0.6 * speed_m_s**2 * rng.normal(size=(2 * points, LANES))
+    air[:, 0] = 0.0  # still air
     weight = rng.normal(size=(d, LANES))
 
     def force(at: Floats) -> Floats:
         total = np.zeros((d, LANES))
-        add_drag(*tensors, at, pressure, np.empty((3 * points + 6, LANES)), total)
+        add_drag(*tensors, at, air, np.empty((3 * points + 2, LANES)), total)
         return total
 
     by_v = np.zeros((d, LANES))
-    add_drag_gradient(*tensors, v, pressure, weight, by_v)
+    add_drag_gradient(*tensors, v, air, weight, by_v)
     step = 1e-6
     for k in range(d):
         shift = np.zeros((d, 1))
@@ -101,11 +103,15 @@ def winds_pa(count: int, frames: int = 90) -> list[Floats]:
     return winds
 
 
+GUSTS = CrownGusts(6, 3.0, 4.0, 0.8, 5.0, 0.5, 1.3)
+
+
 def run_of(model: ModalTensors, wind: Floats) -> ModalRun:
-    """The motion of a model as a training run."""
-    q = simulated_q(model, [wind], DT_S)[0]
+    """The motion of a model in gusts as a training run."""
+    q = simulated_q(model, [(wind, GUSTS)], DT_S)[0]
     e = q[:, : len(model.shown)] / model.shown
-    return ModalRun(wind, e, np.gradient(e, DT_S, axis=0), q)
+    felt = felt_wind(wind, GUSTS, np.asarray(model.place, np.float64), DT_S)
+    return ModalRun(felt, e, np.gradient(e, DT_S, axis=0), q)
 
 
 def shapes(d: int) -> Floats:
@@ -114,13 +120,20 @@ def shapes(d: int) -> Floats:
 
 def simulation(runs: list[ModalRun]) -> output_error.Simulation:
     own = shapes(len(MODAL.shown))
-    side_by_side = output_error.side_by_side(runs, np.ones(len(runs)))
+    side_by_side = output_error.side_by_side(MODAL, runs, np.ones(len(runs)))
     return output_error.Simulation(MODAL, side_by_side, own @ own.T / 10, DT_S)
+
+
+def exact_force() -> Floats:
+    """(d, F + 2G) the force of the table, and no correction of the loads of its places."""
+    places = np.zeros((len(MODAL.shown), 2 * len(MODAL.place)))
+    return np.concatenate([MODAL.force.T, places], axis=1).astype(np.float64)
 
 
 def test_the_fit_simulates_what_the_player_plays() -> None:
     runs = [run_of(MODAL, wind) for wind in winds_pa(3)]
-    exact = np.ascontiguousarray(MODAL.force.T, np.float64)
+    exact = exact_force()
+    assert len(MODAL.place) > 2
     cost, _ = simulation(runs).cost(exact)
     still, _ = simulation([replace(run, e=0 * run.e) for run in runs]).cost(exact)
     assert cost < 1e-10 * still  # the player's numbers are float32
@@ -129,8 +142,9 @@ def test_the_fit_simulates_what_the_player_plays() -> None:
 def test_the_gradient_of_the_simulation_is_that_of_differences() -> None:
     rng = np.random.default_rng((SEED, 3))
     runs = [run_of(MODAL, wind) for wind in winds_pa(3)]
-    own, exact = simulation(runs), np.asarray(MODAL.force.T, np.float64)
+    own, exact = simulation(runs), exact_force()
     force = np.ascontiguousarray(0.5 * exact)
+    exact[:, len(MODAL.force) :] = MODAL.place_load.reshape(len(exact), -1)
     _, gradient = own.cost(force)
     for _ in range(4):
         way = rng.normal(size=force.shape) * np.abs(exact)
@@ -141,7 +155,7 @@ def test_the_gradient_of_the_simulation_is_that_of_differences() -> None:
 
 def test_a_motion_that_diverges_costs_infinitely_much() -> None:
     own = simulation([run_of(MODAL, wind) for wind in winds_pa(1)])
-    cost, gradient = own.cost(np.full((len(MODAL.shown), len(MODAL.force)), 1e200))
+    cost, gradient = own.cost(np.full(exact_force().shape, 1e200))
     assert cost == np.inf
     assert not gradient.any()
 
@@ -155,7 +169,8 @@ def stiffening_pair() -> ModalTensors:
     force[3], force[5] = (-6.0, 0.0), (-6.0, 0.0)  # x³ and x y² push along x
     force[4], force[6] = (0.0, -6.0), (0.0, -6.0)  # x² y and y³ along y
     none = np.zeros((11, 0)), np.array([1.0, 6.0, 60.0]), np.zeros((0, 2)), np.zeros((3, 0, 2)), np.zeros(2)
-    tensors = (step, 0.1 * np.eye(2), np.eye(2), force, np.ones(2), *none)
+    places = np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((2, 2, 0))
+    tensors = (step, 0.1 * np.eye(2), np.eye(2), force, np.ones(2), *none, *places)
     singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
     return ModalTensors(*singles, streamlined_exponent=1.3)
 
@@ -168,7 +183,7 @@ def test_a_linear_model_follows_a_nonlinear_one_after_the_fit() -> None:
     runs = [run_of(exact, wind) for wind in winds[:8]]
     linear = replace(exact, force=0 * exact.force)
     sway, limits = np.asarray(exact.sway, np.float64), np.asarray(exact.limits, np.float64)
-    tables = [force_table(run, sway, limits, DT_S / 2) for run in runs]
+    tables = [force_table(run, sway, limits, np.zeros(0), DT_S / 2) for run in runs]
     force = output_error.fitted_force(
         linear, [np.zeros(linear.force.shape)], runs, tables, np.ones(8), np.eye(2, 6), DT_S
     )

@@ -6,11 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.check.verify.motion_checks import loaded_pole
-from galewood.pipeline.reduction import TrainingWinds
 from galewood.pipeline.sampling.plan import Samples, plan_samples, simulate
 from galewood.pipeline.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
 from galewood.pipeline.sampling.runner import SampleTask, TrajectoryRunner
-from galewood.pipeline.sampling.training_winds import FURTHER_WINDS, WIND_COUNT, training_shapes
+from galewood.pipeline.sampling.training_winds import (
+    GUST_WIND_COUNT,
+    WIND_COUNT,
+    gust_shapes,
+    training_shapes,
+)
 
 
 def task(wind: SampleWind, folder: Path) -> SampleTask:
@@ -19,19 +23,16 @@ def task(wind: SampleWind, folder: Path) -> SampleTask:
 
 @pytest.fixture()
 def samples(tmp_path: Path) -> Samples:
-    winds = training()
-    default, paper, further = (
-        [task(wind, tmp_path) for wind in some]
-        for some in (winds.default, sample_winds(12.0, 1 / 30, 1.3), winds.further)
+    default, paper = (
+        [task(wind, tmp_path) for wind in some] for some in (training(), sample_winds(12.0, 1 / 30, 1.3))
     )
-    return Samples(default, paper, further)
+    return Samples(default, paper)
 
 
-def training() -> TrainingWinds:
+def training() -> list[SampleWind]:
     """Training winds whose speed is proportional to the sway that they shall cause."""
-    shapes = training_shapes(0.6, 1 / 30, 1.3, count=WIND_COUNT + FURTHER_WINDS)
-    winds = [shape.at(100 * shape.sway_share) for shape in shapes]
-    return TrainingWinds(winds[:WIND_COUNT], winds[WIND_COUNT:])
+    shapes = [*training_shapes(0.6, 1 / 30, 1.3), *gust_shapes(1 / 30, 1.3)]
+    return [shape.at(100 * shape.sway_share) for shape in shapes]
 
 
 def recording_runner(events: list[str]) -> TrajectoryRunner:
@@ -82,35 +83,25 @@ def test_the_first_default_runs_are_about_a_third_at_all_levels_and_some_of_them
     peaks = sorted(np.linalg.norm(wind, axis=1).max() for wind in winds)
     assert peaks[0] < 0.7 * peaks[-1]
     assert {bool(wind[-1].any()) for wind in winds} == {True, False}
+    assert {task.wind.gusts.intensity > 0 for task in samples.first().default} == {True, False}
 
 
-def test_the_default_method_needs_a_third_of_the_frames_and_no_recorded_states(samples: Samples) -> None:
+def test_the_default_method_has_no_recorded_states_and_some_gusts(samples: Samples) -> None:
     assert not [task.wind.name for task in samples.default if task.wind.recorded or task.wind.fade_frames]
     assert all(task.wind.recorded for task in samples.paper)
     assert not {task.path for task in samples.default} & {task.path for task in samples.paper}
-    frames = [sum(len(task.wind.pressure_pa) for task in some) for some in (samples.default, samples.paper)]
-    assert frames[0] <= 4000 < frames[1] / 1.8
-    assert [len(runs) for runs in (samples.default_runs(), samples.paper_runs())] == [20, 43]
-
-
-def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:
-    further = {task.wind.name for task in samples.further}
-    assert not further & set(simulated_events(samples))
-    events: list[str] = []
-    shares: list[float] = []
-    runs = samples.further_runs(recording_runner(events), shares.append)
-    assert set(events) == further
-    assert len(events) == len(runs) == 20
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
+    gusty = [task.wind.gusts.intensity > 0 for task in samples.default]
+    assert gusty == [False] * WIND_COUNT + [True] * GUST_WIND_COUNT
+    runs = (samples.default_runs(), samples.paper_runs())
+    assert [len(each) for each in runs] == [WIND_COUNT + GUST_WIND_COUNT, 43]
 
 
 def test_the_runs_of_both_methods_are_planned_once(tmp_path: Path) -> None:
     model, points = loaded_pole(), np.arange(4)
     for all_winds, cosines in ((False, 18), (True, 36)):
         samples = plan_samples(model, 12.0, points, tmp_path, training(), frames=5, all_winds=all_winds)
-        parts = [{task.path for task in some} for some in (samples.default, samples.paper, samples.further)]
-        assert [len(part) for part in parts] == [20, 1 + cosines + 6, 20]
+        parts = [{task.path for task in some} for some in (samples.default, samples.paper)]
+        assert [len(part) for part in parts] == [WIND_COUNT + GUST_WIND_COUNT, 1 + cosines + 6]
         assert len(set.union(*parts)) == sum(map(len, parts))
 
 

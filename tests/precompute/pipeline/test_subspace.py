@@ -12,7 +12,7 @@ def motion(seed: int, frames: int = 60, n: int = 40, rank: int = 5) -> tuple[np.
 
 def test_low_rank_motion_is_reproduced_exactly() -> None:
     snapshots, mass = motion(1)
-    space = fit_subspace(snapshots, mass, 1e-9, least=1)
+    space = fit_subspace(snapshots, mass, 8)
     assert space.modes == 5
     u = snapshots.reshape(60, -1, 3)
     assert np.allclose(space.expand(space.project(u)), u, atol=1e-10)
@@ -21,18 +21,18 @@ def test_low_rank_motion_is_reproduced_exactly() -> None:
 
 def test_modes_are_mass_orthogonal_and_the_reported_error_is_correct() -> None:
     snapshots, mass = motion(2)
-    space = fit_subspace(snapshots, mass, 0.3, least=1)
+    space = fit_subspace(snapshots, mass, 3)
     gram = np.einsum("nik,n,nil->kl", space.basis, mass, space.basis)
     assert np.allclose(gram, np.diag(np.diag(gram)), atol=1e-9 * gram.max())
     u = snapshots.reshape(60, -1, 3)
     error = np.linalg.norm(space.expand(space.project(u)) - u, axis=2).max()
     assert np.isclose(error, space.max_error_m)
-    assert error <= 0.3 or space.modes == 5
+    assert space.modes == 3
 
 
 def test_the_basis_is_optimal_for_its_size() -> None:
     snapshots, mass = motion(3)
-    space = fit_subspace(snapshots, mass, 1e9, least=2)
+    space = fit_subspace(snapshots, mass, 2)
     weighted = snapshots * np.sqrt(np.repeat(mass, 3))
     singular = np.linalg.svd(weighted, compute_uv=False)
     assert np.isclose(space.energy_left, (singular[2:] ** 2).sum() / (singular**2).sum())

@@ -1,4 +1,4 @@
-"""Gusts within a crown: the field, the layer of oscillators that follows them, and wind beyond the range."""
+"""Gusts within a crown: the field, the places that take them, the motion, and wind beyond the range."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.motion.modal import advance_gusts
 from galewood.motion.wind import PRESETS, Wind, WindField, crown_carried, crown_field, write_gusts
 from galewood.motion.wind.pressure import compress_pressure, compressed
-from galewood.pipeline.reduction import gust_modes
-from galewood.pipeline.reduction.gust_layer import OSCILLATOR_COUNT
-from galewood.player import WindDrivenTrees, grid_placements
+from galewood.pipeline.reduction import Exposure
+from galewood.pipeline.reduction.places import PLACE_COUNT, places_of
+from galewood.pipeline.sampling import CrownGusts
+from galewood.player import ModalForest, WindDrivenTrees, grid_placements
 from galewood.solid.fem import Drag
+from galewood.solid.skinning import joint_rows
 from galewood.table import Table, decode
 
 from tests.golden import GOLDEN_FOLDER
 from tests.golden.beam import Beam
-from tests.golden.make import scheme
 from tests.golden.make_gusts import gusts, motion
 
 SHIPPED = Path(__file__).parents[3] / "assets" / "species" / "shipped"
@@ -84,29 +84,73 @@ def test_cosine_winds_and_still_air_have_no_gusts(model: str) -> None:
         assert bool(out.any()) == (model != "cosine" and pressure > 0)
 
 
-def test_without_drag_the_layer_is_an_exact_linear_system() -> None:
-    seed = 5
+def test_gusts_that_are_the_same_at_all_places_are_a_stronger_wind() -> None:
+    """Without the polynomial force: its terms are limited by the pressure at the tree."""
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
+    linear = replace(table.modal, force=0 * table.modal.force)
+    # the weights of the places are estimates, so that they do not add up to 1
+    share = linear.drag_place.sum(axis=1, keepdims=True)
+    load = linear.place_load / linear.place_load.sum(axis=2, keepdims=True)
+    exact = replace(linear, drag_place=linear.drag_place / share, place_load=load * linear.load[:, :, None])
+    one, other = (ModalForest(exact, 1 / 15, table.mode_scale, 1) for _ in range(2))
+    along, across = 0.4, -0.3
+    gusts = np.tile([along, across], (1, len(exact.place)))
+    for x, z in ((5.0, 2.0), (9.0, -4.0), (0.0, 0.0)):
+        for _ in range(40):
+            one.advance(1 / 15, [x], [z], gusts)
+            other.advance(1 / 15, [x + along * x - across * z], [z + along * z + across * x])
+            assert np.allclose(one.q, other.q, rtol=1e-4, atol=1e-7)
+    assert np.abs(one.q).max() > 1e-3
+
+
+def test_no_gusts_are_gusts_of_zero() -> None:
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
+    one, other = (ModalForest(table.modal, 1 / 15, table.mode_scale, 3) for _ in range(2))
+    still = np.zeros((3, 2 * len(table.modal_place)))
+    for k in range(60):
+        wind = (np.array([3.0, 9.0, 0.0]) * np.sin(k / 5), np.array([1.0, -4.0, 0.0]))
+        one.advance(1 / 15, *wind)
+        other.advance(1 / 15, *wind, still)
+    assert np.abs(one.q[:2]).max() > 1e-3 and np.array_equal(one.q, other.q)
+
+
+def test_the_places_estimate_the_gusts_at_the_nodes() -> None:
+    """Better than the nearest place, and exactly where a node is a place."""
+    seed = 9
     rng = np.random.default_rng(seed)
     print("seed", seed)
-    omega, zeta, dt_s = 6.0, 0.03, 1 / 30
-    rate = np.array([[0.0, 1.0], [-omega * omega, -2 * zeta * omega]])
-    from scipy.linalg import expm
+    node_m = rng.uniform((-3, 2, -3), (3, 9, 3), (300, 3))
+    places = places_of(Exposure(rng.uniform(0.5, 1.5, 300), np.ones(300), np.ones(300), 1.3, node_m))
+    assert places.count == PLACE_COUNT
+    gap = np.square(node_m[:, None] - places.place_m[None]).sum(axis=2)
+    nearest = np.argmin(gap, axis=1)
+    errors, nearest_errors = [], []
+    for k in range(40):
+        gusts = CrownGusts(900 + k, *rng.uniform(0, 48, 2).tolist(), float(rng.uniform(0, 6)), 0.0, 0.01, 1.3)
+        wind = np.array([[np.cos(gusts.heading_rad), np.sin(gusts.heading_rad)]])
+        exact = gusts.local_pa(node_m, wind, 1 / 30)[0]
+        at = gusts.local_pa(places.place_m, wind, 1 / 30)[0]
+        errors.append(at @ places.weight.T - exact)
+        nearest_errors.append(at[:, nearest] - exact)
+    assert np.square(errors).mean() < 0.8 * np.square(nearest_errors).mean()
+    alone = places_of(Exposure(np.ones(4), np.ones(4), np.ones(4), 1.3, 5.0 * node_m[:4]))
+    order = np.argmin(np.square(alone.place_m[:, None] - 5.0 * node_m[None, :4]).sum(axis=2), axis=1)
+    assert np.allclose(alone.weight[order], np.eye(4), atol=0.1)
 
-    step = expm(dt_s * rate)
-    gain = (step - np.eye(2)) @ np.linalg.inv(rate) @ np.array([0.0, 1.0])
-    row = np.array([[step[0, 0] - 1, step[0, 1], step[1, 0], step[1, 1] - 1, *gain]])
-    load = rng.normal(size=(1, 6))
-    state, q = tuple(np.zeros((1, 1)) for _ in range(4)), np.zeros((1, 1), np.float32)
-    e, v, _, _ = state
-    exact = np.zeros(2)
-    for _ in range(200):
-        relative, push = rng.normal(size=(1, 6)), rng.uniform(1, 40, 2)
-        pressure = (push[:1], push[1:])
-        advance_gusts((row, load, NOTHING, 1.3), ONE, AHEAD, NOTHING, pressure, relative, state, q)
-        a, b = relative[0, ::2], relative[0, 1::2]
-        local = np.stack([a * push[0] - b * push[1], a * push[1] + b * push[0]], axis=1).ravel()
-        exact = step @ exact + gain * float(load[0] @ local)
-        assert np.allclose([e[0, 0], v[0, 0]], exact, rtol=1e-9, atol=1e-12)
+
+def test_a_run_has_the_gusts_of_a_tree_in_a_forest() -> None:
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
+    place_m = np.asarray(table.modal_place, np.float64)
+    heading, speed_m_s, dt_s = 0.6, 7.0, 1 / 30
+    c, s = np.cos(heading), np.sin(heading)
+    wind = np.outer(np.linspace(1.0, 30.0, 20), (c, s))
+    found = CrownGusts(5, 11.0, -3.0, heading, speed_m_s, 0.4, 1.64).relative(place_m, wind, dt_s)
+    for frame, (x, z) in enumerate(wind):
+        out = np.zeros((1, 2 * len(place_m)))
+        carried = (c, s, speed_m_s * frame * dt_s, 0.4)
+        push = (ONE * x, ONE * z)
+        write_gusts(crown_field(5), carried, place_m, (11.0 * ONE, -3.0 * ONE), AHEAD, ONE, push, 1.64, out)
+        assert np.allclose(found[frame], out[0], atol=1e-9)
 
 
 def test_the_drag_of_equal_pressures_at_all_nodes_is_that_of_one_pressure() -> None:
@@ -119,37 +163,37 @@ def test_the_drag_of_equal_pressures_at_all_nodes_is_that_of_one_pressure() -> N
     assert np.array_equal(force, each.force_n) and np.array_equal(damping, each.damping)
 
 
-def test_the_layer_follows_the_nonlinear_system_under_the_same_gusts() -> None:
-    """Each mass of the pole is a place, so that the layer's gusts are those of the masses."""
-    beam = Beam()
-    layer = gust_modes(beam.oscillators(), scheme(beam))
-    place = np.ascontiguousarray(layer.tensors.place, np.float64)
-    tensors = (np.ascontiguousarray(t, np.float64) for t in (layer.tensors.step, layer.tensors.load))
-    step, load = tensors
-    drag = np.ascontiguousarray(layer.tensors.drag, np.float64)
-    assert len(place) == beam.n and len(step) == OSCILLATOR_COUNT
-    order = [int(np.argmin(np.abs(beam.rest_m[:, 1] - y))) for y in place[:, 1]]
-    assert sorted(order) == list(range(beam.n))
-    frames, mean, exponent = 300, np.array([8.0, 0.0]), beam.streamlined_exponent
-    field, calm, gusty = crown_field(4), Beam(), Beam()
-    state = tuple(np.zeros((1, len(step))) for _ in range(4))
-    q, relative = np.zeros((1, len(step)), np.float32), np.zeros((1, 2 * beam.n))
-    shapes = layer.shapes.reshape(len(step), -1, 3)
-    errors, sizes = [], []
-    for frame in range(frames):
-        carried = (1.0, 0.0, 4.0 * frame * beam.dt_s, 0.15)
-        push = (ONE * mean[0], NOTHING)
-        write_gusts(field, carried, place, (NOTHING, NOTHING), AHEAD, ONE, push, exponent, relative)
-        advance_gusts((step, load, drag, exponent), ONE, AHEAD, NOTHING, push, relative, state, q)
-        local = np.zeros((beam.n, 2))
-        local[order] = mean[0] * relative.reshape(-1, 2)
-        calm.step(mean)
-        gusty.step(mean + local)
-        exact = gusty.u - calm.u
-        errors.append(np.einsum("k,kni->ni", state[0][0], shapes) - exact)
-        sizes.append(exact)
-    error, size = (np.sqrt(np.mean(np.square(rows[60:]))) for rows in (errors, sizes))
-    assert size > 1e-3 and error / size < 0.25
+def test_the_model_follows_the_nonlinear_system_in_unseen_gusts() -> None:
+    """Each mass of the pole is a place, so that the model's gusts are those of the masses."""
+    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
+    beam, modal = Beam(), table.modal
+    assert len(modal.place) == beam.n
+    heading, seed = 2.2, 4
+    unseen = CrownGusts(seed, 7.0, 30.0, heading, 4.0, 0.4, Beam().streamlined_exponent)
+    time_s = beam.dt_s * np.arange(300)
+    along = 10.0 + 4.0 * np.sin(1.3 * time_s) + 3.0 * np.sin(2.9 * time_s)
+    wind = along[:, None] * [np.cos(heading), np.sin(heading)]
+    forest = ModalForest(modal, beam.dt_s, table.mode_scale, 1)
+    gusts = unseen.relative(np.asarray(modal.place, np.float64), wind, beam.dt_s)
+    local = unseen.local_pa(beam.rest_m, wind, beam.dt_s)
+    basis = points_basis(table, beam)
+    errors, sizes, last = [], [], np.zeros((beam.n, 3))
+    for frame, (x, z) in enumerate(wind):
+        forest.advance(beam.dt_s, [x], [z], gusts[frame : frame + 1])
+        errors.append(basis @ forest.q[0].astype(np.float64) - last)
+        beam.step(wind[frame] + local[frame].T)
+        last = beam.u.copy()
+        sizes.append(last)
+    error, sway = np.array(errors)[60:], np.array(sizes)[60:]
+    size = np.sqrt(np.square(sway - sway.mean(axis=0)).mean())
+    print("error", np.sqrt(np.square(error).mean()) / size)
+    assert size > 1e-3 and np.sqrt(np.square(error).mean()) < 0.1 * size
+
+
+def points_basis(table: Table, beam: Beam) -> np.ndarray:
+    """(n, 3, r) displacement of the masses per unit of q: each is the joint of its own render vertices."""
+    rows = joint_rows(table, table.node_basis).astype(np.float64)
+    return rows[table.vertex_joint[: 2 * beam.n : 2].astype(np.int64)]
 
 
 def test_pressure_beyond_the_range_grows_with_the_wind() -> None:
@@ -187,7 +231,7 @@ def sway_m(table: Table, wind: Wind, seconds: float = 40.0) -> float:
 @pytest.mark.parametrize("name", NAMES)
 def test_stronger_wind_moves_every_shipped_tree_more(name: str) -> None:
     table = decode((SHIPPED / f"{name}.table").read_bytes())
-    assert len(table.gust_place) >= 3
+    assert len(table.modal_place) >= 3
     presets = [sway_m(table, PRESETS[preset]) for preset in ("breeze", "autumn-gusts", "storm-front")]
     speeds = [
         sway_m(table, replace(PRESETS["autumn-gusts"], mean_speed_m_s=speed)) for speed in (7.0, 18.0, 40.0)

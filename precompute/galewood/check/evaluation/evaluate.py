@@ -27,7 +27,7 @@ from galewood.check.evaluation.winds import unseen_winds
 from galewood.options import EvaluationOptions
 from galewood.player import ModalForest, PaperForest
 from galewood.solid.skinning import joint_rows
-from galewood.table import Table, without_gusts
+from galewood.table import Table
 from galewood.util import Array, Floats
 
 Forest = PaperForest | ModalForest
@@ -89,7 +89,6 @@ def evaluate_table(
 
     ``winds`` (pressures (T, 2) Pa by name) replace the default ones.
     """
-    table = without_gusts(table)  # these winds are the same everywhere in the crown
     winds = winds or _winds(table, options)
     tasks = reference_tasks(table, source, list(winds.values()), options.sway)
 
@@ -136,7 +135,7 @@ def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead:
 
     Without the paper's records, those are the modal model and the tree at rest.
     """
-    table, pressure = without_gusts(table), reference.pressure_pa
+    pressure = reference.pressure_pa
     tracks = {method: play_pressures(table, pressure, make) for method, make in methods_of(table).items()}
     if table.paper:
         tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
@@ -156,7 +155,7 @@ def against_converged(
     table: Table, source: Source, reference: ReferenceRun, limit: ReferenceRun
 ) -> dict[str, Any]:
     """Largest errors over the height: of the elements' time steps, of the table, and of both together."""
-    table, height_m = without_gusts(table), float(table.metadata["height_m"])
+    height_m = float(table.metadata["height_m"])
     q, _ = play_pressures(table, reference.pressure_pa, METHODS["modal"])
     worst = {"elements": 0.0, "table": 0.0, "total": 0.0}
     for a in range(0, len(q), CHUNK_FRAMES):

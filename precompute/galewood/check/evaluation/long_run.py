@@ -25,7 +25,7 @@ from galewood.options import METHOD_NAMES
 from galewood.pipeline.sampling import content_hash
 from galewood.player import ModalForest
 from galewood.solid.fem import Simulator
-from galewood.table import Table, encode, without_gusts
+from galewood.table import Table, encode
 from galewood.util import Floats
 
 METHOD_PACKAGES = ("galewood.motion", "galewood.player", "galewood.solid.fem", "galewood.check.evaluation")
@@ -51,7 +51,6 @@ def long_run(
 
     The result is cached under ``cache_dir``/evaluations by ``long_run_key``.
     """
-    table = without_gusts(table)
     key = long_run_key(table, source, frames=frames, sway=sway, seed=seed)
     kept = cache_dir / "evaluations" / f"{key}.json"
     if kept.exists():
@@ -140,7 +139,7 @@ def play_beyond_range(
     the largest displacement of a vertex of the wood over the height, the largest extrapolation ratio,
     and the largest coordinate q left after 4 minutes of still air, m.
     """
-    forest = METHODS["modal"](without_gusts(table))
+    forest = METHODS["modal"](table)
     assert isinstance(forest, ModalForest)
     dt_s, height_m = float(table.metadata["dt_s"]), float(table.metadata["height_m"])
     peak = times * table.peak_pressure_pa

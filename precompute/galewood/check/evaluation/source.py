@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse
 
 from galewood.options import BuildRequest, ImportRequest
-from galewood.pipeline.reduction import Subspace, output_modes, size_of
+from galewood.pipeline.reduction import Subspace, output_modes
 from galewood.pipeline.sampling import (
     ALL_COSINES,
     COSINE_PREFIX,
@@ -221,12 +221,7 @@ def table_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
     samples = stage_of(table).samples(_simulated(table, own, cache_dir, workers))
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
     training = own.training(samples.default_runs(), settings.modes)
-    tolerance_m = settings.truncation_share * own.height_m
-    try:
-        size = size_of(training, len(table.modal_step))
-    except ValueError as error:
-        raise SourceError(str(error)) from error
-    return output_modes(training, own.mass_kg, tolerance_m, size)[1]
+    return output_modes(training, own.mass_kg)[1]
 
 
 def _rendered(table: Table, mesh: TetMesh) -> RenderedVertices:
@@ -239,13 +234,12 @@ def check_basis(table: Table, mesh: TetMesh, subspace: Subspace) -> None:
     """Raise SourceError unless the nodes move as the modes do where the nodes are."""
     nodes = points_embedding(table.node_rest_m, mesh)
     n, _, r = subspace.basis.shape
-    basis = table.node_basis[:, :, : table.fitted_modes]
-    if 3 * r != basis[0].size:
+    if r != table.modes:
         raise SourceError(
             "the modes computed from the simulated runs are not those of the table: build the table again"
         )
     rows = np.asarray(nodes @ subspace.basis.reshape(n, 3 * r))
-    gap = np.abs(rows - basis.reshape(len(basis), -1)).max()
+    gap = np.abs(rows - table.node_basis.reshape(len(rows), -1)).max()
     if gap > 2e-3:
         raise SourceError(
             f"the computed modes differ from those of the table by {gap:.1g}: build the table again"

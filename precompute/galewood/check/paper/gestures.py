@@ -23,7 +23,7 @@ from galewood.check.evaluation import (
     samples_of,
 )
 from galewood.check.paper.plan import Plan
-from galewood.pipeline.reduction import ModalTraining, Subspace, oscillators_of, output_modes, size_of
+from galewood.pipeline.reduction import ModalTraining, Subspace, oscillators_of, output_modes
 from galewood.pipeline.sampling import DIRECTIONS_DEG, SampledRun, sample_winds
 from galewood.pipeline.tables import TableContext, TableSettings, assemble_table, render_mesh
 from galewood.player import PaperForest
@@ -120,11 +120,8 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
         if task.wind.name.startswith("cosine") and task.wind.direction_deg == TARGET_DIRECTION_DEG
     ]
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
-    tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
     own = small_table(table, source, chosen)
-    training = _training(source, chosen)
-    size = size_of(training, len(own.modal_step))
-    return own, output_modes(training, mass_kg, tolerance_m, size)[1]
+    return own, output_modes(_training(source, chosen), mass_kg)[1]
 
 
 def _training(source: Source, runs: Sequence[SampledRun]) -> ModalTraining:

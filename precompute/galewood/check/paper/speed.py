@@ -99,8 +99,8 @@ def _at_points(run: Trajectory, vertices: npt.NDArray[np.int64], kept: npt.NDArr
     """Reduce a run recorded at ``vertices`` (sorted) to the vertices ``kept``."""
     where = np.searchsorted(vertices, kept)
     return Trajectory(
-        run.displacement_m, run.pressure_pa, run.velocity[:, where], run.force[:, where],
-        run.stiffness[:, where],
+        run.displacement_m, run.pressure_pa, run.gusts,
+        run.velocity[:, where], run.force[:, where], run.stiffness[:, where],
     )  # fmt: skip
 
 

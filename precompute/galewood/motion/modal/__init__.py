@@ -2,25 +2,22 @@
 
 from galewood.motion.modal.drag import add_drag, drag_inputs, drag_tensors
 from galewood.motion.modal.gradient import add_drag_gradient, add_terms_gradient
-from galewood.motion.modal.gusts import GustTensors, advance_gusts, no_gusts
 from galewood.motion.modal.step import advance_trees, float64_tensors, working_room
-from galewood.motion.modal.tensors import ModalTensors, coupled_of, force_terms, shape_terms
+from galewood.motion.modal.tensors import ModalTensors, coupled_of, force_terms, mean_gust, shape_terms
 from galewood.motion.modal.terms import write_force_terms, write_pose_terms
 
 __all__ = [
-    "GustTensors",
     "ModalTensors",
     "add_drag",
     "add_drag_gradient",
     "add_terms_gradient",
-    "advance_gusts",
     "advance_trees",
     "coupled_of",
     "drag_inputs",
     "drag_tensors",
     "float64_tensors",
     "force_terms",
-    "no_gusts",
+    "mean_gust",
     "shape_terms",
     "working_room",
     "write_force_terms",

@@ -124,7 +124,7 @@ def _release(free, far, by_pair):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def add_drag_gradient(
-    point, inputs, outputs, rest, exponent, v, pressure, by_force, by_v
+    point, inputs, outputs, rest, exponent, v, air, by_force, by_v
 ):  # pragma: no cover  (compiled)
     """Add to by_v (d, lanes) the gradient of Σ by_force · force, with the force of ``add_drag`` at v.
 
@@ -136,16 +136,16 @@ def add_drag_gradient(
     by_moved = np.empty((3 * count, lanes))
     share_of = point[:, 0] / point[:, 0].sum()
     for lane in range(lanes):
-        px, pz = pressure[0, lane], pressure[1, lane]
-        wind_pa = np.sqrt(px * px + pz * pz)
         by_mean = 0.0
         for k in range(len(by_v)):
             by_mean -= ISOTROPIC_DRAG * rest[k] * v[k, lane] * by_force[k, lane]
         mean = 0.0
         for j in range(count):
             area, share = point[j, 0], point[j, 1]
-            air = speed_of_pressure(share * wind_pa, exponent) / max(wind_pa, TINY_PA)
-            wx, wz = air * px - moved[j, lane], air * pz - moved[2 * count + j, lane]
+            px, pz = air[j, lane], air[count + j, lane]
+            wind_pa = np.sqrt(px * px + pz * pz)
+            speed_ratio = speed_of_pressure(share * wind_pa, exponent) / max(wind_pa, TINY_PA)
+            wx, wz = speed_ratio * px - moved[j, lane], speed_ratio * pz - moved[2 * count + j, lane]
             wy = -moved[count + j, lane]
             speed = np.sqrt(wx * wx + wy * wy + wz * wz)
             per_speed, power = pressure_per_speed(speed, exponent)

@@ -20,10 +20,13 @@ BATCH_TREES = 64
 
 @numba.njit(cache=True, nogil=True)
 def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
-    """Advance all trees of a batch by one table step: linear step, polynomial force and drag."""
-    step, load, sway, force, _, _, limits, point, inputs, outputs, rest, exponent = tensors
-    e, v, pressure, ahead, pairs, terms, total, moved, _ = batch
-    write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
+    """Advance all trees of a batch by one table step: linear step, polynomial force and drag.
+
+    The terms end with the gusts at the places, from ``_write_wind``.
+    """
+    step, load, sway, force, _, _, limits, point, inputs, outputs, rest, exponent, _, _ = tensors
+    e, v, pressure, felt, air, ahead, pairs, terms, total, moved, _ = batch
+    write_force_terms(sway, limits, half_s, e, v, felt, ahead, pairs, terms)
     np.dot(force, terms[: force.shape[1]], total[: len(e)])
     for k in range(len(e)):
         a, b, _, _, s0, _ = step[k]
@@ -32,7 +35,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
             # the mean speed during the step, without the drag
             ahead[k, lane] = (a * e[k, lane] + b * v[k, lane] + s0 * total[k, lane]) * (0.5 / half_s)
     if len(point) > 0:
-        add_drag(point, inputs, outputs, rest, exponent, ahead, pressure, moved, total[: len(e)])
+        add_drag(point, inputs, outputs, rest, exponent, ahead, air, moved, total[: len(e)])
     for k in range(len(e)):
         a, b, c, d, s0, s1 = step[k]
         for lane in range(BATCH_TREES):
@@ -44,7 +47,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
     """Set trees that hardly move in still air to rest. Writes the sway of e to pairs[0]."""
-    e, v, pressure, _, pairs, _, _, _, _ = batch
+    e, v, pressure, _, _, _, pairs, _, _, _, _ = batch
     write_sway(sway, e, pairs[0])
     small, reach = MODAL_REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
     for lane in range(BATCH_TREES):
@@ -66,8 +69,8 @@ def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def _write_poses(tensors, batch, count, state):  # pragma: no cover  (compiled)
     """Move ``now`` to ``before``, write the new poses to ``now``, and the extrapolation ratios."""
-    _, _, _, _, shown, pose, limits, _, _, _, _, _ = tensors
-    e, _, pressure, _, pairs, terms, total, _, tree = batch
+    _, _, _, _, shown, pose, limits, _, _, _, _, _, _, _ = tensors
+    e, _, pressure, felt, _, _, pairs, terms, total, _, tree = batch
     _, _, _, now, before, extrapolation_ratio = state
     d = len(e)
     for lane in range(count):
@@ -76,7 +79,7 @@ def _write_poses(tensors, batch, count, state):  # pragma: no cover  (compiled)
         extrapolation_ratio[tree[lane]] = max(
             np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2]
         )
-    write_pose_terms(limits, e, pressure, pairs[0], terms)
+    write_pose_terms(limits, e, felt, pairs[0], terms)
     np.dot(pose, terms[: pose.shape[1]], total[: len(pose)])
     for lane in range(count):
         i = tree[lane]
@@ -89,15 +92,47 @@ def _write_poses(tensors, batch, count, state):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _step_trees(tensors, half_s, batch, count, state):  # pragma: no cover  (compiled)
+def _write_wind(tensors, batch, count, gusts):  # pragma: no cover  (compiled)
+    """Write the batch's gusts at the places, the mean over the crown, and the wind at the drag points, Pa.
+
+    The first are the last rows of the terms: along x at all places, then along z. ``gusts`` as in
+    ``advance_trees``; without columns there are none.
+    """
+    _, _, _, force, _, _, _, point, _, _, _, _, drag_place, mean = tensors
+    _, _, pressure, felt, air, _, _, terms, _, _, tree = batch
+    places, points = len(mean), len(point)
+    first = force.shape[1] - 2 * places
+    local_x, local_z = terms[first : first + places], terms[first + places : first + 2 * places]
+    felt[:] = pressure
+    if gusts.shape[1] == 0:
+        local_x[:] = 0.0
+        local_z[:] = 0.0
+        air[:points], air[points:] = pressure[0], pressure[1]
+        return
+    for g in range(places):
+        for lane in range(count):
+            along, across = gusts[tree[lane], 2 * g], gusts[tree[lane], 2 * g + 1]
+            local_x[g, lane] = along * pressure[0, lane] - across * pressure[1, lane]
+            local_z[g, lane] = along * pressure[1, lane] + across * pressure[0, lane]
+        felt[0] += mean[g] * local_x[g]
+        felt[1] += mean[g] * local_z[g]
+    np.dot(drag_place, local_x, air[:points])
+    np.dot(drag_place, local_z, air[points:])
+    air[:points] += pressure[0]
+    air[points:] += pressure[1]
+
+
+@numba.njit(cache=True, nogil=True)
+def _step_trees(tensors, half_s, batch, count, gusts, state):  # pragma: no cover  (compiled)
     """Step the ``count`` trees whose indices are in the batch."""
-    own_e, own_v, pressure, _, _, _, _, _, tree = batch
+    own_e, own_v, pressure, _, _, _, _, _, _, _, tree = batch
     e, v, turned, _, _, _ = state
     for lane in range(count):
         i = tree[lane]
         pressure[0, lane], pressure[1, lane] = turned[i, 0], turned[i, 1]
         for k in range(len(own_e)):
             own_e[k, lane], own_v[k, lane] = e[i, k], v[i, k]
+    _write_wind(tensors, batch, count, gusts)
     _step(tensors, half_s, batch)
     _settle(tensors[2], tensors[6], batch)
     for lane in range(count):
@@ -108,25 +143,24 @@ def _step_trees(tensors, half_s, batch, count, state):  # pragma: no cover  (com
 
 
 @numba.njit(cache=True, nogil=True)
-def advance_trees(
-    tensors, half_s, batch, rate, turn, pressure, phase, state, q
-):  # pragma: no cover  (compiled)
+def advance_trees(tensors, half_s, batch, rate, turn, wind, phase, state, q):  # pragma: no cover  (compiled)
     """Advance all trees by ``rate`` steps each (count,) and write the interpolated poses to q.
 
-    q is (count, r or more).
+    q is (count, r).
 
     ``tensors`` is from ``float64_tensors``, ``batch`` from ``working_room``; ``half_s`` is half a step, s.
-    ``turn`` is cosine and sine of the yaw, ``pressure`` along x and z, (count,) Pa. Updates phase (count,)
+    ``turn`` is cosine and sine of the yaw; ``wind`` the pressure at the trees along x, along z, (count,) Pa,
+    and the relative gusts (count, 2G) of ``write_gusts`` at the places, or (count, 0). Updates phase (count,)
     and ``state`` in place: e, v (count, d), the pressures in the frames of the trees (count, 2), the poses of
     the last step and of that before (count, r), and the extrapolation ratios (count,).
     """
-    pressure_x, pressure_z = pressure
+    pressure_x, pressure_z, gusts = wind
     _, _, turned, now, before, _ = state
     for i in range(len(phase)):
         turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
         turned[i, 1] = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
         phase[i] += rate[i]
-    tree = batch[8]
+    tree = batch[10]
     for _ in range(MAX_STEPS_PER_ADVANCE):
         count = stepped = 0
         for i in range(len(phase)):
@@ -135,7 +169,7 @@ def advance_trees(
                 tree[count] = i
                 count += 1
             if count == BATCH_TREES or (count > 0 and i == len(phase) - 1):
-                _step_trees(tensors, half_s, batch, count, state)
+                _step_trees(tensors, half_s, batch, count, gusts, state)
                 stepped += count
                 count = 0
         if stepped == 0:
@@ -147,24 +181,30 @@ def advance_trees(
 
 
 def float64_tensors(modal: ModalTensors) -> tuple[Floats | float, ...]:
-    """The tensors in float64, as the step uses them; force (d, F) and pose (r − d, terms) are transposed.
+    """The tensors in float64, as the step uses them; force and pose (r − d, terms) are transposed.
 
-    The last five are those of the drag (``drag_tensors``).
+    The force (d, F + 2G) ends with the loads of the places, as the terms end with their gusts. The last seven
+    are those of the drag (``drag_tensors``), the places' shares in the gusts at its points (m, G) and in the
+    mean gust (G,).
     """
     t = modal
-    tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
+    force = np.concatenate([t.force.T, t.place_load.reshape(len(t.step), -1)], axis=1)
+    tensors = (t.step, t.load, t.sway, force, t.shown, t.pose.T, t.limits)
     wide = tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
-    return *wide, *drag_tensors(t.drag_point, t.drag_shape, t.drag_rest, t.streamlined_exponent)
+    drag = drag_tensors(t.drag_point, t.drag_shape, t.drag_rest, t.streamlined_exponent)
+    return *wide, *drag, np.ascontiguousarray(t.drag_place, np.float64), t.mean_gust
 
 
 def working_room(modal: ModalTensors) -> tuple[Array, ...]:
-    """Work arrays of a batch: e, v, pressure, prediction, pairs, terms, sums, drag, and tree indices."""
-    d = len(modal.step)
-    terms = max(len(modal.force), len(modal.pose))
-    heights = (d, d, 2, d)
+    """Work arrays of a batch: e, v, the pressures at the tree, in the mean over the crown and at the drag
+    points, prediction, pairs, terms, sums, drag, and tree indices.
+    """
+    d, points = len(modal.step), len(modal.drag_point)
+    terms = max(len(modal.force) + 2 * len(modal.place), len(modal.pose))
+    heights = (d, d, 2, 2, 2 * points, d)
     rooms = [np.zeros((height, BATCH_TREES)) for height in heights]
     total = np.zeros((max(d, modal.pose.shape[1]), BATCH_TREES))
-    moved = np.zeros((3 * len(modal.drag_point) + 6, BATCH_TREES))
+    moved = np.zeros((3 * points + 2, BATCH_TREES))
     return (
         *rooms,
         np.zeros((3, 2, BATCH_TREES)),

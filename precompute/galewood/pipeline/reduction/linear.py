@@ -15,14 +15,17 @@ from galewood.motion.modal import ModalTensors, force_terms, shape_terms
 from galewood.pipeline.reduction.drag_points import drag_points
 from galewood.pipeline.reduction.modal_runs import ModalRun, sampled_range, sway_coordinates, typical_speed
 from galewood.pipeline.reduction.oscillators import (
+    CrownWind,
     Oscillators,
+    felt_wind,
     first_of,
     leading_oscillators,
     propagators,
     response,
 )
 from galewood.pipeline.reduction.pod import Subspace, spanned_by
-from galewood.pipeline.reduction.training import SIZES
+from galewood.pipeline.reduction.training import STANDARD_SIZE
+from galewood.pipeline.sampling import SampleWind
 from galewood.solid.fem import FemSettings
 from galewood.util import Floats
 
@@ -38,17 +41,18 @@ class LinearMotion:
 
 
 def linear_motion(
-    body: Oscillators, mass_kg: Floats, winds_pa: Sequence[Floats], settings: FemSettings
+    body: Oscillators, mass_kg: Floats, winds: Sequence[SampleWind], settings: FemSettings
 ) -> LinearMotion:
-    """The linear model of a body, and its motion under winds (T, 2) Pa.
+    """The linear model of a body, and its motion under some winds.
 
     ``mass_kg`` (n,) are the masses of the vertices of the shapes.
     """
-    size = SIZES[0]
+    size, dt_s = STANDARD_SIZE, settings.dt_s
     own = leading_oscillators(first_of(body, size.natural), settings, size.dynamic)
     subspace = spanned_by(own.shapes, mass_kg)
     step = propagators(own.omega, np.diag(own.damping), settings)
-    runs = [_linear_run(own, step, subspace.scale, wind, settings.dt_s) for wind in winds_pa]
+    felt = [felt_wind(wind.pressure_pa, wind.gusts, own.places.place_m, dt_s) for wind in winds]
+    runs = [_linear_run(own, step, subspace.scale, wind, dt_s) for wind in felt]
     sway = sway_coordinates(own, runs)
     limits = sampled_range(sway, runs, 0)
     step[:, [0, 3]] -= 1.0
@@ -56,23 +60,15 @@ def linear_motion(
     none = np.zeros((force_terms(0), d)), np.zeros((d + 2 + shape_terms(0), 0))
     drag = drag_points(own, typical_speed(runs))
     tensors = (
-        step,
-        own.load,
-        sway,
-        none[0],
-        subspace.scale,
-        none[1],
-        limits,
-        drag.point,
-        drag.shape,
-        drag.rest,
-    )
+        step, own.load, sway, none[0], subspace.scale, none[1], limits,
+        drag.point, drag.shape, drag.rest, drag.place, own.places.place_m, own.place_load,
+    )  # fmt: skip
     singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
     modal = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
     return LinearMotion(modal, subspace, [run.q for run in runs])
 
 
-def _linear_run(own: Oscillators, step: Floats, shown: Floats, wind_pa: Floats, dt_s: float) -> ModalRun:
-    force = wind_pa @ own.load.T
+def _linear_run(own: Oscillators, step: Floats, shown: Floats, wind: CrownWind, dt_s: float) -> ModalRun:
+    force = own.force(wind)
     e = np.concatenate([response(row, force[:, k : k + 1]) for k, row in enumerate(step)], axis=1)
-    return ModalRun(wind_pa, e, np.gradient(e, dt_s, axis=0), e * shown)
+    return ModalRun(wind, e, np.gradient(e, dt_s, axis=0), e * shown)

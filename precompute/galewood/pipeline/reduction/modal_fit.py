@@ -3,7 +3,8 @@
 The force is fitted twice. First by linear least squares: each term, evaluated along the reference solution,
 drives its oscillator, and the sum of the responses must equal the error of the linear step. That is exact for
 terms that do not change the motion they are evaluated on. From there the simulated motion itself is fitted
-(``galewood.pipeline.reduction.output_error``).
+(``galewood.pipeline.reduction.output_error``). The last terms are the gusts at the places of the crown; their
+coefficients correct the loads of the places.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from galewood.motion.modal import (
     coupled_of,
     drag_tensors,
     force_terms,
+    mean_gust,
     shape_terms,
     write_force_terms,
     write_pose_terms,
@@ -67,37 +69,46 @@ def fit_modal_model(
     sway = sway_coordinates(ritz, modal)
     limits = sampled_range(sway, modal, min(coupled, len(ritz.omega) - 2))
     weights = run_weights(sway, modal)
-    linear = _Linear(step, ritz.load, drag_points(ritz, typical_speed(modal)))
-    tables = [force_table(run, sway, limits, settings.dt_s / 2) for run in modal]
+    drag = drag_points(ritz, typical_speed(modal))
+    linear, mean = _Linear(step, ritz, drag), mean_gust(drag.point, drag.place)
+    tables = [force_table(run, sway, limits, mean, settings.dt_s / 2) for run in modal]
     starts = _first_forces(modal, tables, weights, linear, settings.dt_s)
-    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
-    drag = linear.drag
-    relative = step.copy()
+    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits, mean)
+    count = force_terms(coupled_of(limits))
+    relative, place_load = step.copy(), ritz.place_load
     relative[:, [0, 3]] -= 1.0
-    tensors = (relative, ritz.load, sway, starts[0], shown, pose, limits, drag.point, drag.shape, drag.rest)
+    tensors = (
+        relative, ritz.load, sway, starts[0][:count], shown, pose, limits,
+        drag.point, drag.shape, drag.rest, drag.place, ritz.places.place_m, place_load,
+    )  # fmt: skip
     singles = (_single(tensor) for tensor in tensors)
     first = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
     force = fitted_force(first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s)
-    return replace(first, force=_single(force))
+    corrected = place_load + force[count:].T.reshape(place_load.shape)
+    return replace(first, force=_single(force[:count]), place_load=_single(corrected))
 
 
 def _single(tensor: Array) -> Array:
     return np.ascontiguousarray(tensor, np.float32)
 
 
-def force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> Floats:
-    """(T, F) force terms at the start of every step; the frames of the run take the place of the trees."""
-    frames = len(run.pressure)
-    e, v, pressure = (np.ascontiguousarray(rows[:frames].T) for rows in (run.e, run.v, run.pressure))
+def force_table(run: ModalRun, sway: Floats, limits: Floats, mean: Floats, half_s: float) -> Floats:
+    """(T, F + 2G) force terms at the start of every step, then the gusts at the places along x and along z.
+
+    The frames of the run take the place of the trees. ``mean`` (G,): ``mean_gust``.
+    """
+    felt_pa = run.felt_pa(mean)
+    frames = len(felt_pa)
+    e, v, felt = (np.ascontiguousarray(rows[:frames].T) for rows in (run.e, run.v, felt_pa))
     terms = np.empty((force_terms(coupled_of(limits)), frames))
-    write_force_terms(sway, limits, half_s, e, v, pressure, np.empty_like(e), np.empty((3, 2, frames)), terms)
-    return terms.T
+    write_force_terms(sway, limits, half_s, e, v, felt, np.empty_like(e), np.empty((3, 2, frames)), terms)
+    return np.concatenate([terms.T, run.wind.local_pa.reshape(frames, -1)], axis=1)
 
 
-def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
-    """(T + 1, terms) pose terms of every state, with the pressure of the step that led to it."""
+def _pose_table(run: ModalRun, sway: Floats, limits: Floats, mean: Floats) -> Floats:
+    """(T + 1, terms) pose terms of every state, with the wind of the step that led to it."""
     e = np.ascontiguousarray(run.e.T)
-    pressure = np.concatenate([np.zeros((1, 2)), run.pressure]).T.copy()
+    pressure = np.concatenate([np.zeros((1, 2)), run.felt_pa(mean)]).T.copy()
     terms, pair = np.empty((len(e) + 2 + shape_terms(coupled_of(limits)), e.shape[1])), sway @ e
     write_pose_terms(limits, e, pressure, pair, terms)
     return terms.T
@@ -105,15 +116,15 @@ def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _Linear:
-    """What is known before the fit: the oscillators' steps (d, 6), the load (d, 2) and the drag."""
+    """What is known before the fit: the oscillators, their steps (d, 6), and the drag."""
 
     step: Floats
-    load: Floats
+    ritz: Oscillators
     drag: DragPoints
 
     def motion(self, run: ModalRun, dt_s: float) -> Floats:
         """(T + 1, d) motion under the load of a run's wind and the drag at its speeds."""
-        force = run.pressure @ self.load.T + drag_along(run, self.drag, dt_s)
+        force = self.ritz.force(run.wind) + drag_along(run, self.drag, dt_s)
         return np.concatenate([response(row, force[:, k : k + 1]) for k, row in enumerate(self.step)], axis=1)
 
 
@@ -122,16 +133,16 @@ def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:
     speed = np.ascontiguousarray(np.diff(run.e, axis=0).T / dt_s)
     force = np.zeros_like(speed)
     if len(drag.point):
-        room = np.zeros((3 * len(drag.point) + 6, speed.shape[1]))
+        room = np.zeros((3 * len(drag.point) + 2, speed.shape[1]))
         tensors = drag_tensors(drag.point, drag.shape, drag.rest, drag.streamlined_exponent)
-        add_drag(*tensors, speed, np.ascontiguousarray(run.pressure.T), room, force)
+        add_drag(*tensors, speed, np.ascontiguousarray(run.air_pa(drag.place).T), room, force)
     return force.T
 
 
 def _first_forces(
     runs: Sequence[ModalRun], tables: Sequence[Floats], weights: Floats, linear: _Linear, dt_s: float
 ) -> Floats:
-    """(ridges, F, d) coefficients of the force, fitted to the error of each oscillator's linear step."""
+    """(ridges, F + 2G, d) coefficients of the terms, fitted to the error of each oscillator's linear step."""
     forces = np.empty((len(START_RIDGES), tables[0].shape[1], len(linear.step)))
     known = [linear.motion(run, dt_s) for run in runs]
     for k, oscillator in enumerate(linear.step):
@@ -143,9 +154,13 @@ def _first_forces(
     return forces
 
 
-def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: Floats) -> Floats:
+def _fit_pose(
+    runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: Floats, mean: Floats
+) -> Floats:
     """(terms, r − d) coefficients of the output modes that are not shapes of oscillators."""
-    terms = np.concatenate([w * _pose_table(run, sway, limits) for w, run in zip(weights, runs, strict=True)])
+    terms = np.concatenate(
+        [w * _pose_table(run, sway, limits, mean) for w, run in zip(weights, runs, strict=True)]
+    )
     further = np.concatenate([w * run.q[:, sway.shape[1] :] for w, run in zip(weights, runs, strict=True)])
     return ridge_fit(terms, further, POSE_RIDGE)
 

@@ -8,8 +8,9 @@ from typing import Protocol
 
 import numpy as np
 
-from galewood.pipeline.reduction.oscillators import Oscillators
+from galewood.pipeline.reduction.oscillators import CrownWind, Oscillators, felt_wind
 from galewood.pipeline.reduction.pod import Subspace
+from galewood.pipeline.sampling import CrownGusts
 from galewood.util import Array, Floats
 
 LIGHT_SHARE = 0.05
@@ -19,23 +20,36 @@ LIGHT_SHARE = 0.05
 class RunLike(Protocol):
     """A training run from rest: displacement (T + 1, n, 3), m, under the pressure (T, 2), Pa.
 
+    ``gusts`` (7,) are those within the crown, as in ``Trajectory``.
+
     Runs are read one after the other, each array once, so that they need not all be in memory.
     """
 
     @property
     def pressure_pa(self) -> Array: ...
     @property
+    def gusts(self) -> Array: ...
+    @property
     def displacement_m(self) -> Array: ...
 
 
 @dataclass(frozen=True)
 class ModalRun:
-    """A run in modal coordinates: e, v (T + 1, d), pressure (T, 2), Pa, and output modes q (T + 1, r)."""
+    """A run in modal coordinates: its wind, e, v (T + 1, d), and output modes q (T + 1, r)."""
 
-    pressure: Floats
+    wind: CrownWind
     e: Floats
     v: Floats
     q: Floats
+
+    def felt_pa(self, mean_gust: Floats) -> Floats:
+        """(T, 2) mean pressure over the crown, Pa, with the weights (G,) of the places."""
+        return self.wind.pressure_pa + self.wind.local_pa @ mean_gust
+
+    def air_pa(self, drag_place: Array) -> Floats:
+        """(T, 2m) pressure at the drag points, Pa, as ``add_drag`` takes it; ``drag_place`` (m, G)."""
+        air = self.wind.pressure_pa[:, :, None] + self.wind.local_pa @ np.asarray(drag_place, np.float64).T
+        return air.reshape(len(air), -1)
 
 
 def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:
@@ -47,7 +61,9 @@ def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspa
     v: Floats = np.zeros(e.shape)
     v[1:-1] = (e[2:] - e[:-2]) / (2 * dt_s)
     v[-1] = (e[-1] - e[-2]) / dt_s
-    return ModalRun(np.asarray(run.pressure_pa, np.float64), e, v, u @ subspace.dual.T)
+    pressure_pa, gusts = np.asarray(run.pressure_pa, np.float64), CrownGusts.of_array(run.gusts)
+    wind = felt_wind(pressure_pa, gusts, ritz.places.place_m, dt_s)
+    return ModalRun(wind, e, v, u @ subspace.dual.T)
 
 
 def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
@@ -64,7 +80,7 @@ def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Float
     """(3 + 2c,) largest sway, sway speed, pressure, coupled coordinates and their speeds; never zero."""
     e = np.concatenate([run.e for run in runs])
     v = np.concatenate([run.v for run in runs])
-    pressure = np.concatenate([run.pressure for run in runs])
+    pressure = np.concatenate([run.wind.pressure_pa for run in runs])
     sizes = [np.linalg.norm(rows, axis=1).max() for rows in (e @ sway.T, v @ sway.T, pressure)]
     beside = slice(2, 2 + coupled)
     return np.maximum([*sizes, *np.abs(e[:, beside]).max(axis=0), *np.abs(v[:, beside]).max(axis=0)], 1e-9)

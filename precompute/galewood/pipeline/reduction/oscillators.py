@@ -1,8 +1,9 @@
 """The oscillators of the modal model: the linear motion of a tree in few coordinates.
 
-The natural modes of the finite-element model are many and closely spaced, while the wind loads only two
-spatial fields. The responses of many natural modes to two oscillating winds are therefore reduced by proper
-orthogonal decomposition (POD); the model is projected on the result and diagonalised (Rayleigh–Ritz).
+The natural modes of the finite-element model are many and closely spaced, while the wind loads only few
+spatial fields. The responses of many natural modes to oscillating winds and to gusts at places of the crown
+are therefore reduced by proper orthogonal decomposition (POD); the model is projected on the result and
+diagonalised (Rayleigh–Ritz).
 """
 
 from __future__ import annotations
@@ -12,21 +13,22 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from galewood.pipeline.sampling import GOLDEN_RAD, noise
+from galewood.pipeline.reduction.places import Places, no_places, places_of
+from galewood.pipeline.sampling import GOLDEN_RAD, NO_GUSTS, CrownGusts, noise
 from galewood.solid.fem import FemModel, FemSettings, natural_modes
 from galewood.util import Floats
 from galewood.wood import BARE_EXPONENT
 
 NATURAL_MODES = 120
 REDUCTION_PERIODS_S = (3.0, 2.5)
-"""Periods of the winds whose linear responses select the oscillators.
-
-Smooth, as in noise fast modes that hardly move the tree would displace slow ones where oscillators are few.
-"""
+"""Periods of the winds whose linear responses select the oscillators."""
 REDUCTION_DEPTH = 0.5
 REDUCTION_S = 6.0
 GUSTY_WINDS, GUSTY_S = 14, 10.0
-"""Additional noise, which selects the modes beyond the first ones if there are many oscillators."""
+"""Noise, which selects the modes beyond the first ones."""
+CROWN_WINDS, CROWN_INTENSITY = 10, 0.45
+CROWN_SPEEDS_M_S = (4.0, 18.0)
+"""Winds with gusts within the crown, which pass at speeds between these."""
 GUSTY_MEAN, GUSTY_INTENSITY, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
 
 
@@ -46,10 +48,19 @@ NOT_EXPOSED = Exposure(np.zeros(0), np.ones(0), np.ones(0), BARE_EXPONENT)
 
 
 @dataclass(frozen=True)
+class CrownWind:
+    """Pressure at the tree (T, 2), Pa, and what that at each place is in addition (T, 2, G)."""
+
+    pressure_pa: Floats
+    local_pa: Floats
+
+
+@dataclass(frozen=True)
 class Oscillators:
     """Mass-normalised modes of a body about its rest pose: ë + C ė + ω² e = load p, u = Σ e_k shape_k.
 
-    The load is the wind's force on the body at rest; ``exposure`` determines how it changes with the motion.
+    The loads are the wind's force on the body at rest; ``exposure`` determines how they change with the
+    motion.
     """
 
     omega: Floats  # (k,) 1/s
@@ -57,6 +68,27 @@ class Oscillators:
     shapes: Floats  # (k, 3n) 1/√kg
     load: Floats  # (k, 2) modal force per Pa
     exposure: Exposure = NOT_EXPOSED
+    places: Places = field(default_factory=lambda: no_places(0))
+
+    @property
+    def place_load(self) -> Floats:
+        """(k, 2, G) modal force per Pa of the gust at each place."""
+        if not self.places.count:
+            return np.zeros((len(self.omega), 2, 0))
+        area = (self.exposure.area_m2 * self.exposure.share)[:, None] * self.places.weight
+        sideways = self.shapes.reshape(len(self.omega), -1, 3)[:, :, [0, 2]]
+        return np.tensordot(sideways, area, axes=(1, 0))
+
+    def force(self, wind: CrownWind) -> Floats:
+        """(T, k) modal force of a wind on the body at rest."""
+        frames, k = len(wind.pressure_pa), len(self.omega)
+        places = wind.local_pa.reshape(frames, -1) @ self.place_load.reshape(k, -1).T
+        return wind.pressure_pa @ self.load.T + places
+
+
+def in_gusts(body: Oscillators) -> Oscillators:
+    """The body with the places of its crown."""
+    return replace(body, places=places_of(body.exposure))
 
 
 def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
@@ -72,7 +104,7 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     exposure = Exposure(
         *parts, streamlined_exponent=model.streamlined_exponent, place_m=model.nodes_m[inside]
     )
-    return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
+    return in_gusts(Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure))
 
 
 def first_of(body: Oscillators, count: int) -> Oscillators:
@@ -126,14 +158,16 @@ def response(step: Floats, force: Floats) -> Floats:
     return np.concatenate([np.zeros((1, force.shape[1])), moved])
 
 
-def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, dynamic: int) -> Oscillators:
-    """The ``dynamic`` Ritz oscillators that best represent the motion of the body under the winds (T, 2) Pa.
+def reduced(
+    body: Oscillators, winds: Sequence[CrownWind], settings: FemSettings, dynamic: int
+) -> Oscillators:
+    """The ``dynamic`` Ritz oscillators that best represent the motion of the body under the winds.
 
     They are sorted by how far they move the tree, the largest first.
     """
     dynamic = min(dynamic, len(body.omega))
     step = propagators(body.omega, np.diag(body.damping), settings)
-    motion = np.concatenate([_linear_motion(body, step, wind) for wind in winds])
+    motion = np.concatenate([_linear_motion(step, body.force(wind)) for wind in winds])
     root = np.linalg.cholesky(body.shapes @ body.shapes.T)
     _, vectors = np.linalg.eigh(root.T @ (motion.T @ motion) @ root)
     kept, _ = np.linalg.qr(np.linalg.solve(root.T, vectors[:, ::-1][:, :dynamic]))
@@ -144,21 +178,40 @@ def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, d
     squared, mix = squared[order], mix[order]
     mix *= np.sign(mix[np.arange(dynamic), np.argmax(np.abs(mix), axis=1)])[:, None]
     mixed = (mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
-    return Oscillators(np.sqrt(squared), *mixed, body.exposure)
+    return Oscillators(np.sqrt(squared), *mixed, body.exposure, body.places)
 
 
-def leading_oscillators(
-    body: Oscillators, settings: FemSettings, dynamic: int, *, gusty: bool = False
-) -> Oscillators:
-    """The ``dynamic`` oscillators that best represent the linear motion of a body in oscillating winds.
+def leading_oscillators(body: Oscillators, settings: FemSettings, dynamic: int) -> Oscillators:
+    """The ``dynamic`` oscillators that best represent the linear motion of a body in oscillating winds."""
+    even = [(wind, NO_GUSTS) for wind in smooth_winds(settings.dt_s) + gusty_winds(settings.dt_s)]
+    exponent = body.exposure.streamlined_exponent
+    winds = [*even, *crown_winds(settings.dt_s, exponent)] if body.places.count else even
+    felt = [felt_wind(wind, gusts, body.places.place_m, settings.dt_s) for wind, gusts in winds]
+    return reduced(body, felt, settings, dynamic)
 
-    With ``gusty`` also in noise, for many oscillators.
+
+def felt_wind(pressure_pa: Floats, gusts: CrownGusts, place_m: Floats, dt_s: float) -> CrownWind:
+    """A wind (T, 2), Pa, with its gusts at the places (G, 3), m."""
+    return CrownWind(pressure_pa, gusts.local_pa(place_m, pressure_pa, dt_s))
+
+
+def crown_winds(dt_s: float, exponent: float) -> list[tuple[Floats, CrownGusts]]:
+    """Oscillating winds (T, 2) of about 1 Pa with gusts within the crown.
+
+    They are the same for every tree: in such weak wind the streamlined exponent does not matter.
     """
-    winds = reduction_winds(settings.dt_s) + (gusty_winds(settings.dt_s) if gusty else [])
-    return reduced(body, winds, settings, dynamic)
+    rng, time_s = np.random.default_rng(5), np.arange(round(GUSTY_S / dt_s)) * dt_s
+    pressure = 1.0 - REDUCTION_DEPTH * np.cos(2 * np.pi * time_s / REDUCTION_PERIODS_S[0])
+    winds: list[tuple[Floats, CrownGusts]] = []
+    for k, speed_m_s in enumerate(np.linspace(*CROWN_SPEEDS_M_S, CROWN_WINDS).tolist()):
+        heading = k * GOLDEN_RAD
+        x_m, z_m = rng.uniform(0, 48.0, 2).tolist()
+        gusts = CrownGusts(k, x_m, z_m, heading, speed_m_s, CROWN_INTENSITY, exponent)
+        winds.append((np.outer(pressure, (np.cos(heading), np.sin(heading))), gusts))
+    return winds
 
 
-def reduction_winds(dt_s: float) -> list[Floats]:
+def smooth_winds(dt_s: float) -> list[Floats]:
     """Winds (T, 2) along x and along z, of pressure about 1: a linear response needs no scale."""
     time_s = np.arange(round(REDUCTION_S / dt_s)) * dt_s
     series = [1.0 - REDUCTION_DEPTH * np.cos(2 * np.pi * time_s / s) for s in REDUCTION_PERIODS_S]
@@ -176,7 +229,6 @@ def gusty_winds(dt_s: float) -> list[Floats]:
     return winds
 
 
-def _linear_motion(body: Oscillators, step: Floats, wind: Floats) -> Floats:
-    """(T / 3, k) every third frame of the linear motion of the oscillators under a wind (T, 2) Pa."""
-    moved = [response(step[k], (wind @ body.load[k])[:, None])[::3] for k in range(len(body.omega))]
-    return np.concatenate(moved, axis=1)
+def _linear_motion(step: Floats, force: Floats) -> Floats:
+    """(T / 3, k) every third frame of the linear motion of oscillators under modal forces (T, k)."""
+    return np.concatenate([response(row, force[:, k : k + 1])[::3] for k, row in enumerate(step)], axis=1)

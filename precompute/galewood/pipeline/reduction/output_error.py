@@ -45,7 +45,10 @@ LBFGS_CORRECTIONS = 30
 class Target:
     """The runs side by side, each a lane; shorter ones end in still air without weight."""
 
-    pressure_pa: Floats  # (T, 2, R)
+    pressure_pa: Floats  # (T, 2, R) at the tree
+    felt_pa: Floats  # (T, 2, R) mean over the crown
+    air_pa: Floats  # (T, 2m, R) at the drag points
+    local_pa: Floats  # (T, 2G, R) gusts at the places
     e: Floats  # (T + 1, d, R)
     weight: Floats  # (T + 1, R) of the squared error
 
@@ -59,17 +62,18 @@ def fitted_force(
     shapes: Floats,
     dt_s: float,
 ) -> Floats:
-    """(F, d) force with which the model, stepped from rest, follows the runs best.
+    """(F + 2G, d) force with which the model, stepped from rest, follows the runs best.
 
-    Begins with the best of ``starts`` (F, d), and returns another of them if it follows the runs better than
-    the result; the force of ``model`` is not used. ``tables`` are the force terms (T, F) along the runs,
+    The last rows are added to the loads of the places. Begins with the best of ``starts`` (F + 2G, d), and
+    returns another of them if it follows the runs better than the result; the force of ``model`` is not used.
+    ``tables`` are the force terms and the gusts at the places (T, F + 2G) along the runs,
     ``weights`` (R,) those of the runs' errors, and ``shapes`` (d, 3n) the displacements of the oscillators:
     the error is measured at the vertices. A start that diverges is left out; if all do, the force is zero.
     """
     import scipy.optimize  # slow to load
 
     metric = shapes @ shapes.T / (shapes.shape[1] / 3)
-    simulation = Simulation(model, side_by_side(runs, weights), metric, dt_s)
+    simulation = Simulation(model, side_by_side(model, runs, weights), metric, dt_s)
     scaling = _Scaling(model, tables, weights, np.diag(metric))
 
     def cost(force: Floats) -> tuple[float, Floats]:
@@ -95,43 +99,53 @@ def fitted_force(
     return np.ascontiguousarray(best.T)
 
 
-def side_by_side(runs: Sequence[ModalRun], weights: Floats) -> Target:
+def side_by_side(model: ModalTensors, runs: Sequence[ModalRun], weights: Floats) -> Target:
     """The runs with their weights (R,) as lanes; each run's squared errors are averaged over its frames."""
-    frames, (_, d) = max(len(run.pressure) for run in runs), runs[0].e.shape
-    pressure = np.zeros((frames, 2, len(runs)))
-    e, weight = np.zeros((frames + 1, d, len(runs))), np.zeros((frames + 1, len(runs)))
-    for i, (run, w) in enumerate(zip(runs, weights, strict=True)):
-        count = len(run.pressure)
-        pressure[:count, :, i] = run.pressure
-        e[: count + 1, :, i] = run.e
-        weight[: count + 1, i] = w * w / count
-    return Target(pressure, e, weight)
+    mean = model.mean_gust
+    counts = [len(run.wind.pressure_pa) for run in runs]
+    return Target(
+        pressure_pa=_lanes([run.wind.pressure_pa for run in runs]),
+        felt_pa=_lanes([run.felt_pa(mean) for run in runs]),
+        air_pa=_lanes([run.air_pa(model.drag_place) for run in runs]),
+        local_pa=_lanes([run.wind.local_pa.reshape(len(run.wind.local_pa), -1) for run in runs]),
+        e=_lanes([run.e for run in runs]),
+        weight=_lanes([np.full(n + 1, w * w / n) for n, w in zip(counts, weights.tolist(), strict=True)]),
+    )
+
+
+def _lanes(rows: Sequence[Floats]) -> Floats:
+    """Arrays (T, …) of different lengths along a last axis, zero after their ends."""
+    lanes = np.zeros((max(len(row) for row in rows), *rows[0].shape[1:], len(rows)))
+    for i, row in enumerate(rows):
+        lanes[: len(row), ..., i] = row
+    return lanes
 
 
 class Simulation:
     """Steps the model through all runs at once, and back for the gradient."""
 
     def __init__(self, model: ModalTensors, target: Target, metric: Floats, dt_s: float) -> None:
-        tensors = (model.step, model.load, model.sway, model.limits)
+        place_load = model.place_load.reshape(len(model.step), -1)
+        tensors = (model.step, model.load, place_load, model.sway, model.limits)
         self._tensors = tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
         self._drag = drag_tensors(
             model.drag_point, model.drag_shape, model.drag_rest, model.streamlined_exponent
         )
         self._target, self._metric, self._half_s = target, metric, dt_s / 2
         steps, lanes = len(target.pressure_pa), len(target.weight[0])
-        d, terms = len(model.step), len(model.force)
+        d, terms = len(model.step), len(model.force) + place_load.shape[1]
         self._e, self._v = np.zeros((2, steps + 1, d, lanes))
         self._mean_speed, self._terms = np.zeros((steps, d, lanes)), np.zeros((steps, terms, lanes))
+        self._terms[:, len(model.force) :] = target.local_pa
 
     def cost(self, force: Floats) -> tuple[float, Floats]:
-        """Half the weighted squared error of the motion under a force (d, F), and its gradient (d, F).
+        """Half the weighted squared error of the motion under a force (d, F + 2G), and its gradient.
 
         Infinite, with a zero gradient, if the motion diverges.
         """
         state = (self._e, self._v, self._mean_speed, self._terms)
-        arguments: tuple[Any, ...] = (
-            self._tensors, self._half_s, self._drag, self._target.pressure_pa, force, state,
-        )  # fmt: skip
+        wind = (self._target.pressure_pa, self._target.felt_pa, self._target.air_pa)
+        arguments: tuple[Any, ...] = (self._tensors, self._half_s, self._drag, wind, force, state)
         with np.errstate(over="ignore", invalid="ignore"):
             _simulate(*arguments)
             gap = self._e - self._target.e
@@ -197,27 +211,30 @@ class _Scaling:
 
 
 @numba.njit(cache=True, nogil=True)
-def _simulate(tensors, half_s, drag, pressure, force, state):  # pragma: no cover  (compiled)
+def _simulate(tensors, half_s, drag, wind, force, state):  # pragma: no cover  (compiled)
     """The step of `galewood.motion.modal` for all runs; keeps what the way back needs in ``state``.
 
-    e, v (T + 1, d, R), mean_speed (T, d, R): without the drag; terms (T, F, R).
+    e, v (T + 1, d, R), mean_speed (T, d, R): without the drag; terms (T, F + 2G, R), which end with the gusts
+    at the places.
     """
-    step, load, sway, limits = tensors
+    step, load, place_load, sway, limits = tensors
+    pressure, felt, air = wind
     e, v, mean_speed, terms = state
     point, inputs, outputs, rest, exponent = drag
     d, lanes = e.shape[1], e.shape[2]
     ahead, pairs = np.empty((d, lanes)), np.empty((3, 2, lanes))
-    room = np.empty((3 * len(point) + 6, lanes))
+    room, places = np.empty((3 * len(point) + 2, lanes)), terms.shape[1] - place_load.shape[1]
     for t in range(len(pressure)):
-        write_force_terms(sway, limits, half_s, e[t], v[t], pressure[t], ahead, pairs, terms[t])
+        write_force_terms(sway, limits, half_s, e[t], v[t], felt[t], ahead, pairs, terms[t])
         total = np.dot(force, terms[t]) + np.dot(load, pressure[t])
+        total += np.dot(place_load, terms[t, places:])
         for k in range(d):
             a, b, _, _, s0, _ = step[k]
             for lane in range(lanes):
                 moved = a * e[t, k, lane] + b * v[t, k, lane] + s0 * total[k, lane]
                 mean_speed[t, k, lane] = moved * (0.5 / half_s)
         if len(point) > 0:
-            add_drag(point, inputs, outputs, rest, exponent, mean_speed[t], pressure[t], room, total)
+            add_drag(point, inputs, outputs, rest, exponent, mean_speed[t], air[t], room, total)
         for k in range(d):
             a, b, c, g, s0, s1 = step[k]
             for lane in range(lanes):
@@ -227,11 +244,10 @@ def _simulate(tensors, half_s, drag, pressure, force, state):  # pragma: no cove
 
 
 @numba.njit(cache=True, nogil=True)
-def _go_back(
-    tensors, half_s, drag, pressure, force, state, by_motion, by_force
-):  # pragma: no cover  (compiled)
-    """Add to by_force (d, F) the gradient of Σ by_motion · e through all steps of ``_simulate``."""
-    step, _, sway, limits = tensors
+def _go_back(tensors, half_s, drag, wind, force, state, by_motion, by_force):  # pragma: no cover  (compiled)
+    """Add to by_force (d, F + 2G) the gradient of Σ by_motion · e through all steps of ``_simulate``."""
+    step, _, _, sway, limits = tensors
+    pressure, felt, air = wind
     e, v, mean_speed, terms = state
     point, inputs, outputs, rest, exponent = drag
     d, lanes = e.shape[1], e.shape[2]
@@ -246,7 +262,7 @@ def _go_back(
                 by_total[k, lane] = step[k, 4] * by_e[k, lane] + step[k, 5] * by_v[k, lane]
         if len(point) > 0:
             add_drag_gradient(
-                point, inputs, outputs, rest, exponent, mean_speed[t], pressure[t], by_total, by_speed
+                point, inputs, outputs, rest, exponent, mean_speed[t], air[t], by_total, by_speed
             )
         for k in range(d):
             a, b, c, g, s0, _ = step[k]
@@ -257,5 +273,5 @@ def _go_back(
                 by_v[k, lane] = y + b * (x + moved) + g * y
         by_force += np.dot(by_total, np.ascontiguousarray(terms[t].T))
         add_terms_gradient(
-            sway, limits, half_s, e[t], v[t], pressure[t], np.dot(transposed, by_total), by_e, by_v
+            sway, limits, half_s, e[t], v[t], felt[t], np.dot(transposed, by_total), by_e, by_v
         )

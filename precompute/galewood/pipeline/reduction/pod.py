@@ -38,11 +38,8 @@ class Subspace:
         return displacement_m.reshape(len(displacement_m), -1) @ self.dual.T
 
     def expand(self, q: Array) -> Floats:
-        """(T, n, 3) displacements of coordinates q (T, r), both in m.
-
-        Further coordinates of a table, those of gusts within the crown, have no modes here and are ignored.
-        """
-        return np.einsum("nik,tk->tni", self.basis, q[:, : self.modes])
+        """(T, n, 3) displacements of coordinates q (T, r), both in m."""
+        return np.einsum("nik,tk->tni", self.basis, q)
 
 
 def thinned(displacements: Iterable[Array], total: int | None = None) -> Floats:
@@ -58,18 +55,12 @@ def thinned(displacements: Iterable[Array], total: int | None = None) -> Floats:
 
 
 def fit_subspace(
-    snapshots: Floats,
-    mass_kg: Floats,
-    tolerance_m: float,
-    *,
-    leading: Floats | None = None,
-    least: int = 8,
-    most: int = 24,
+    snapshots: Floats, mass_kg: Floats, count: int, *, leading: Floats | None = None
 ) -> Subspace:
-    """The fewest modes (least..most) that reproduce all snapshots (s, 3n) within tolerance_m at every vertex.
+    """The ``count`` POD modes of snapshots (s, 3n), fewer if their motion has fewer dimensions.
 
-    ``leading`` (d, 3n) are given shapes that come first; ``least`` and ``most`` count the POD modes that
-    follow them. Method of snapshots (Sirovich 1987). The Gram matrix and all that follows use float64: in
+    ``leading`` (d, 3n) are given shapes that come first.
+    Method of snapshots (Sirovich 1987). The Gram matrix and all that follows use float64: in
     float32 modes beyond about twenty would be noise.
     """
     root_mass = np.sqrt(np.repeat(np.maximum(mass_kg, 1e-9 * mass_kg.max()), 3))
@@ -78,14 +69,12 @@ def fit_subspace(
     variance, vectors = scipy.linalg.eigh(rest @ rest.T)
     variance, vectors = variance[::-1], vectors[:, ::-1]
     whole = float(np.square(snapshots * root_mass).sum())
-    most = min(most, int(np.sum(variance > 1e-13 * whole)))
-    modes, _ = np.linalg.qr(rest.T @ vectors[:, :most])
+    count = min(count, int(np.sum(variance > 1e-13 * whole)))
+    modes, _ = np.linalg.qr(rest.T @ vectors[:, :count])
     modes = _first_positive(modes)
-    errors = _max_errors(rest, modes, root_mass)
-    enough = [r for r, error in enumerate(errors) if error <= tolerance_m and r >= least]
-    r = min([*enough, most])
-    left = float(np.maximum(variance[r:], 0).sum()) / whole
-    return _scaled(np.concatenate([given, modes[:, :r].T / root_mass]), root_mass, errors[r], left)
+    error_m = _largest((rest - (rest @ modes) @ modes.T) / root_mass)
+    left = float(np.maximum(variance[count:], 0).sum()) / whole
+    return _scaled(np.concatenate([given, modes.T / root_mass]), root_mass, error_m, left)
 
 
 def spanned_by(shapes: Floats, mass_kg: Floats) -> Subspace:
@@ -106,17 +95,6 @@ def _first_positive(modes: Floats) -> Floats:
     """Make the largest entry of each mode positive, so that the sign is deterministic."""
     largest = np.argmax(np.abs(modes), axis=0)
     return modes * np.sign(modes[largest, np.arange(modes.shape[1])])
-
-
-def _max_errors(weighted: Floats, modes: Floats, root_mass: Floats) -> list[float]:
-    """Largest vertex error, m, of the mass-weighted snapshots with the first 0, 1, 2, … modes."""
-    coordinates = weighted @ modes
-    residual = weighted / root_mass
-    errors = [_largest(residual)]
-    for k in range(modes.shape[1]):
-        residual -= np.outer(coordinates[:, k], modes[:, k] / root_mass)
-        errors.append(_largest(residual))
-    return errors
 
 
 def _largest(residual: Floats) -> float:

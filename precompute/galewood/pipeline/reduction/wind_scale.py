@@ -7,7 +7,6 @@ moderate winds. The prediction is within a few per cent of the sway that the fin
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,11 +14,12 @@ from galewood.pipeline.reduction.linear import linear_motion
 from galewood.pipeline.reduction.oscillators import Oscillators
 from galewood.pipeline.reduction.training_error import simulated_q
 from galewood.pipeline.sampling import (
-    FURTHER_WINDS,
+    GUST_WIND_COUNT,
     STRONGEST_M_S,
     WIND_COUNT,
     SampleWind,
     WindShape,
+    gust_shapes,
     training_shapes,
 )
 from galewood.solid.fem import FemSettings
@@ -31,38 +31,31 @@ FAR_VERTICES = 64
 """Vertices that sway farthest; the sway of a wind is that of the farthest of them."""
 
 
-@dataclass(frozen=True)
-class TrainingWinds:
-    """The winds of the default method's runs, and those of the additional runs for trees that bend far."""
-
-    default: Sequence[SampleWind]
-    further: Sequence[SampleWind]
-
-
 def training_winds(
     body: Oscillators, mass_kg: Floats, height_m: float, settings: FemSettings, seed: int
-) -> TrainingWinds:
+) -> list[SampleWind]:
     """The training winds of a body, whose vertices have the masses (n,) kg."""
     first_hz = float(body.omega[0]) / (2 * np.pi)
-    exponent, count = body.exposure.streamlined_exponent, WIND_COUNT + FURTHER_WINDS
-    shapes = training_shapes(first_hz, settings.dt_s, exponent, seed=seed, count=count)
+    exponent = body.exposure.streamlined_exponent
+    shapes = training_shapes(first_hz, settings.dt_s, exponent, seed=seed, count=WIND_COUNT)
+    if body.places.count:
+        shapes += gust_shapes(settings.dt_s, exponent, seed=seed, count=GUST_WIND_COUNT)
     speeds = speeds_for(shapes, body, mass_kg, height_m, settings)
-    winds = [shape.at(speed) for shape, speed in zip(shapes, speeds.tolist(), strict=True)]
-    return TrainingWinds(winds[:WIND_COUNT], winds[WIND_COUNT:])
+    return [shape.at(speed) for shape, speed in zip(shapes, speeds.tolist(), strict=True)]
 
 
 def speeds_for(
     shapes: Sequence[WindShape], body: Oscillators, mass_kg: Floats, height_m: float, settings: FemSettings
 ) -> Floats:
     """(k,) peak speed, m/s, at which each wind causes its sway; rounded, so that runs can be found again."""
-    start_pa = [shape.pressure_pa(STRONGEST_M_S / 4) for shape in shapes]
-    motion = linear_motion(body, mass_kg, start_pa, settings)
+    motion = linear_motion(body, mass_kg, [shape.at(STRONGEST_M_S / 4) for shape in shapes], settings)
     basis = _farthest(motion.subspace.basis.reshape(-1, 3, motion.subspace.modes))
     wanted_m = np.array([shape.sway_share * height_m for shape in shapes])
     low, high = np.full(len(shapes), WEAKEST_M_S), np.full(len(shapes), STRONGEST_M_S)
     for _ in range(HALVING_COUNT):
         middle = np.sqrt(low * high)
-        winds = [shape.pressure_pa(speed) for shape, speed in zip(shapes, middle.tolist(), strict=True)]
+        speeds = zip(shapes, middle.tolist(), strict=True)
+        winds = [(shape.pressure_pa(speed), shape.gusts) for shape, speed in speeds]
         sways = np.array([_sway_m(basis, q) for q in simulated_q(motion.modal, winds, settings.dt_s)])
         low, high = np.where(sways <= wanted_m, middle, low), np.where(sways > wanted_m, middle, high)
     return np.asarray(np.round(np.sqrt(low * high), 2), np.float64)

@@ -1,3 +1,5 @@
+from .crown_gusts import NO_GUSTS as NO_GUSTS
+from .crown_gusts import CrownGusts as CrownGusts
 from .design_speed import MAX_SWAY_SHARE as MAX_SWAY_SHARE
 from .design_speed import DesignWind as DesignWind
 from .design_speed import design_wind as design_wind
@@ -19,10 +21,11 @@ from .runner import content_hash as content_hash
 from .runner import run_in_processes as run_in_processes
 from .runner import run_task as run_task
 from .runner import sample_tasks as sample_tasks
-from .training_winds import FURTHER_WINDS as FURTHER_WINDS
 from .training_winds import GOLDEN_RAD as GOLDEN_RAD
+from .training_winds import GUST_WIND_COUNT as GUST_WIND_COUNT
 from .training_winds import STRONGEST_M_S as STRONGEST_M_S
 from .training_winds import WIND_COUNT as WIND_COUNT
 from .training_winds import WindShape as WindShape
+from .training_winds import gust_shapes as gust_shapes
 from .training_winds import noise as noise
 from .training_winds import training_shapes as training_shapes

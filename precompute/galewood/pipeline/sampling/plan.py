@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from galewood.pipeline.sampling.recording import (
     COSINE_PREFIX,
@@ -27,15 +26,6 @@ FIRST_DEFAULT = slice(0, None, 3)
 """The early table uses every third run of the default method."""
 
 
-class TrainingWinds(Protocol):
-    """The winds of the default method's runs, and those of the additional runs for trees that bend far."""
-
-    @property
-    def default(self) -> Sequence[SampleWind]: ...
-    @property
-    def further(self) -> Sequence[SampleWind]: ...
-
-
 @dataclass(frozen=True)
 class Samples:
     """The runs of a table; those of the default method and of the paper's state search are disjoint."""
@@ -44,8 +34,6 @@ class Samples:
     """The runs that the modal model is fitted to; each follows the FEM dynamics to its end."""
     paper: Sequence[SampleTask]
     """The runs whose states are recorded for the paper's state search."""
-    further: Sequence[SampleTask] = ()
-    """Additional runs for the modal model, only for trees that deflect strongly."""
 
     @property
     def winds(self) -> list[SampleWind]:
@@ -62,13 +50,6 @@ class Samples:
     def paper_runs(self) -> list[SampledRun]:
         return [StoredRun(task.path) for task in self.paper]
 
-    def further_runs(
-        self, runner: TrajectoryRunner, on_progress: Callable[[float], None]
-    ) -> list[SampledRun]:
-        """The additional runs of the modal model, simulated now if they are missing."""
-        runner(self.further, lambda number: on_progress(number / max(len(self.further), 1)))
-        return [StoredRun(task.path) for task in self.further]
-
     def first(self) -> Samples:
         """The runs of the early table, in the same order."""
         return Samples(self.default[FIRST_DEFAULT], ())
@@ -79,7 +60,7 @@ def plan_samples(
     speed_m_s: float,
     points: Array,
     cache_dir: Path,
-    training: TrainingWinds,
+    training: Sequence[SampleWind],
     *,
     frames: int = 180,
     all_winds: bool = False,
@@ -90,12 +71,10 @@ def plan_samples(
     directions, or with ``all_winds`` all six.
     """
     paper = sample_winds(speed_m_s, model.settings.dt_s, model.streamlined_exponent, frames)
-    tasks = iter(sample_tasks(model, [*training.default, *paper, *training.further], points, cache_dir))
-    own, every, more = (
-        list(islice(tasks, len(some))) for some in (training.default, paper, training.further)
-    )
+    tasks = sample_tasks(model, [*training, *paper], points, cache_dir)
+    own, every = tasks[: len(training)], tasks[len(training) :]
     recorded = [task for task in every if not task.wind.name.startswith(UNRECORDED_PREFIXES)]
-    return Samples(own, every if all_winds else recorded, more)
+    return Samples(own, every if all_winds else recorded)
 
 
 def simulate(

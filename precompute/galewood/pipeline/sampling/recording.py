@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from galewood.motion.wind import dynamic_pressure
+from galewood.pipeline.sampling.crown_gusts import NO_GUSTS, CrownGusts
 from galewood.util import Array, Floats, write_arrays
 from galewood.versions import SAMPLING_VERSION
 
@@ -50,6 +51,8 @@ class SampleWind:
     """Number of final frames over which the motion is faded to exact rest; see ``fade``."""
     recorded: bool = True
     """Whether internal states are recorded for the paper's search; otherwise only the motion."""
+    gusts: CrownGusts = NO_GUSTS
+    """What the wind at each place of the crown differs from the pressure."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,8 @@ class Trajectory:
     """T records of one run and the displacements between them, float32."""
 
     displacement_m: Array  # (T + 1, n, 3) from the gravity rest pose
-    pressure_pa: Array  # (T, 2) acting in record i
+    pressure_pa: Array  # (T, 2) at the tree, acting in record i
+    gusts: Array  # (7,) the gusts within the crown, ``CrownGusts.array``
     velocity: Array  # (T, q, 3) before record i
     force: Array  # (T, q, 3) internal force
     stiffness: Array  # (T, q, 6) xx yy zz xy xz yz of the diagonal blocks
@@ -71,6 +75,8 @@ class SampledRun(Protocol):
     @property
     def pressure_pa(self) -> Array: ...
     @property
+    def gusts(self) -> Array: ...
+    @property
     def velocity(self) -> Array: ...
     @property
     def force(self) -> Array: ...
@@ -83,7 +89,10 @@ class Body(Protocol):
 
     def reset(self) -> None: ...
 
-    def step(self, pressure_pa: Array) -> None: ...
+    def step(self, pressure_pa: Array) -> None: ...  # (2,), or (N, 2) of each node
+
+    @property
+    def place_m(self) -> Array: ...  # (N, 3) nodes at rest
 
     @property
     def u(self) -> Array: ...  # (n, 3)
@@ -152,14 +161,16 @@ def sample_trajectory(
     body.reset()
     u, v = np.zeros((frames + 1, *body.u.shape), np.float32), np.zeros((frames, len(points), 3), np.float32)
     force, stiffness = np.zeros_like(v), np.zeros((frames, len(points), 6), np.float32)
+    places = body.place_m if wind.gusts.intensity else body.place_m[:0]
+    local_pa = wind.gusts.local_pa(places, wind.pressure_pa, dt_s)
     for i, pressure in enumerate(wind.pressure_pa):
         on_progress(i / frames)
         v[i] = body.v[points]
-        body.step(pressure)
+        body.step(pressure + local_pa[i].T if len(places) else pressure)
         force[i] = body.recorded_force(points)
         stiffness[i] = symmetric(body.recorded_stiffness(points))
         u[i + 1] = body.u
-    recorded = Trajectory(u, wind.pressure_pa.astype(np.float32), v, force, stiffness)
+    recorded = Trajectory(u, wind.pressure_pa.astype(np.float32), wind.gusts.array, v, force, stiffness)
     return fade(recorded, wind.fade_frames, u[:-1, points], dt_s)
 
 
@@ -186,6 +197,7 @@ def fade(run: Trajectory, frames: int, points_m: Array, dt_s: float) -> Trajecto
     return Trajectory(
         run.displacement_m * s,
         run.pressure_pa,
+        run.gusts,
         run.velocity * before + points_m * slope,
         run.force[:1] + (run.force - run.force[:1]) * s[:-1],
         run.stiffness[:1] + (run.stiffness - run.stiffness[:1]) * s[:-1],
@@ -195,7 +207,7 @@ def fade(run: Trajectory, frames: int, points_m: Array, dt_s: float) -> Trajecto
 def trajectory_key(model_hash: str, wind: SampleWind, points: Array) -> str:
     """Content hash of all inputs of a trajectory."""
     digest = hashlib.sha256(f"{SAMPLING_VERSION} {model_hash} {wind.fade_frames}".encode())
-    digest.update(np.ascontiguousarray(wind.pressure_pa, np.float64).tobytes())
+    digest.update(np.ascontiguousarray(wind.pressure_pa, np.float64).tobytes() + wind.gusts.array.tobytes())
     digest.update(np.ascontiguousarray(points, np.int64).tobytes())
     return digest.hexdigest()
 
@@ -236,6 +248,10 @@ class StoredRun:
     @property
     def pressure_pa(self) -> Array:
         return self._read("pressure_pa")
+
+    @property
+    def gusts(self) -> Array:
+        return self._read("gusts")
 
     @property
     def velocity(self) -> Array:

@@ -1,4 +1,5 @@
-"""Training winds of the modal model: noise, resonant and crossed gusts, each as strong as its sway requires.
+"""Training winds of the modal model: noise, resonant and crossed gusts, each as strong as its sway requires,
+the same everywhere in the crown or with gusts within it.
 
 Cosine winds alone excite too little of the motion: every operator fitted to them diverged under other winds
 (docs/design/0013-training-runs.md).
@@ -13,20 +14,27 @@ import numpy as np
 
 from galewood.motion.wind import dynamic_pressure
 from galewood.options import TRAINING_SEED
+from galewood.pipeline.sampling.crown_gusts import NO_GUSTS, CrownGusts
 from galewood.pipeline.sampling.recording import SampleWind
 from galewood.util import Floats
 
-WIND_COUNT, FRAMES_PER_WIND = 20, 200
-FURTHER_WINDS = 20
-"""Additional winds for trees that bend far, which continue the sequence."""
+WIND_COUNT, FRAMES_PER_WIND = 15, 200
+GUST_WIND_COUNT, FRAMES_PER_GUST_WIND = 24, 300
+"""Winds with gusts within the crown."""
 SWAY_SHARES = (0.2, 0.05, 0.2, 0.1, 0.2, 0.03, 0.15)
 """Largest sway of the winds, in turn, over the height. Seven, as the kinds of wind repeat after five."""
+GUST_SWAY_SHARES = (0.3, 0.08, 0.2, 0.04, 0.25, 0.12, 0.02)
+"""The same of the winds with gusts within the crown."""
 STRONGEST_M_S = 60.0
 """Limit of the speed, for trees too stiff to sway so far in any wind."""
 TRAINING_GUSTINESS, WHITE_GUSTINESS = 0.45, 0.6
 """Standard deviation of the speed over its mean."""
 HEADING_TURNS = 0.5
 """Turns of the heading during a wind, in addition to its variation."""
+CROWN_INTENSITIES, CROWN_SPEEDS_M_S = (0.25, 0.6), (4.0, 18.0)
+"""Ranges of the gusts within the crown: standard deviation over the speed, and how fast they pass."""
+CROWN_FIELD_M = 48.0
+"""Distance after which the field of these gusts repeats."""
 CALM_FRAMES = 60
 """Still air at the end of some winds: a free decay after an abrupt stop."""
 GOLDEN_RAD = np.pi * (3.0 - np.sqrt(5.0))
@@ -44,6 +52,7 @@ class WindShape:
     velocity: Floats
     sway_share: float
     exponent: float
+    gusts: CrownGusts = NO_GUSTS
 
     def pressure_pa(self, peak_m_s: float) -> Floats:
         """Pressure vectors (T, 2), Pa, at a peak speed."""
@@ -55,8 +64,9 @@ class WindShape:
         """The wind at a peak speed."""
         x, z = self.velocity[0]
         return SampleWind(
-            self.name, float(np.degrees(np.arctan2(z, x))), self.pressure_pa(peak_m_s), recorded=False
-        )
+            self.name, float(np.degrees(np.arctan2(z, x))), self.pressure_pa(peak_m_s),
+            recorded=False, gusts=self.gusts,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -71,10 +81,10 @@ class _Setting:
 
     @property
     def time_s(self) -> Floats:
-        return np.arange(FRAMES_PER_WIND, dtype=np.float64) * self.dt_s
+        return np.arange(len(self.turn_rad), dtype=np.float64) * self.dt_s
 
     def noise(self, beta: float) -> Floats:
-        return noise(self.rng, FRAMES_PER_WIND, self.dt_s, beta)
+        return noise(self.rng, len(self.turn_rad), self.dt_s, beta)
 
 
 def training_shapes(
@@ -97,6 +107,25 @@ def training_shapes(
             velocity[-CALM_FRAMES:] = 0.0
         velocity /= np.linalg.norm(velocity, axis=1).max()
         shapes.append(WindShape(f"training-{k:02d}", velocity, SWAY_SHARES[k % len(SWAY_SHARES)], exponent))
+    return shapes
+
+
+def gust_shapes(
+    dt_s: float, exponent: float, *, seed: int = TRAINING_SEED, count: int = GUST_WIND_COUNT
+) -> list[WindShape]:
+    """Training winds of noise with gusts within the crown, each with its own field, heading and speed."""
+    rng = np.random.default_rng((seed, 3))
+    first_rad, steady = rng.uniform(0, 2 * np.pi), np.zeros(FRAMES_PER_GUST_WIND)
+    shapes: list[WindShape] = []
+    for k in range(count):
+        heading_rad = first_rad + k * GOLDEN_RAD
+        velocity = _gusts(_Setting(rng, dt_s, 0.0, heading_rad, steady))
+        velocity /= np.linalg.norm(velocity, axis=1).max()
+        x_m, z_m = rng.uniform(0, CROWN_FIELD_M, 2).tolist()
+        speed_m_s, intensity = rng.uniform(*CROWN_SPEEDS_M_S), rng.uniform(*CROWN_INTENSITIES)
+        gusts = CrownGusts(int(rng.integers(2**31)), x_m, z_m, heading_rad, speed_m_s, intensity, exponent)
+        share = GUST_SWAY_SHARES[k % len(GUST_SWAY_SHARES)]
+        shapes.append(WindShape(f"training-gusts-{k:02d}", velocity, share, exponent, gusts))
     return shapes
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from galewood.pipeline.results import BuildResult
 from galewood.pipeline.sampling import simulate
 from galewood.pipeline.stages.context import BuildContext, runs_as
-from galewood.pipeline.stages.motion import FittedTree, further_runs, plan_runs
+from galewood.pipeline.stages.motion import FittedTree, plan_runs
 from galewood.pipeline.stages.stage import Stage
 from galewood.pipeline.tables import TableStage, assemble_records, build_report, has_leaves
 from galewood.solid.model import bind_foliage, build_model, compare_with_reference
@@ -104,8 +104,8 @@ def build_bare_table(recorded: RecordedTree, context: BuildContext) -> BareTable
     solid = replace(in_leaf, lumped=lumped)
     fem = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)
     bare = plan_runs(solid, fem, options, context.cache_dir)
-    simulate(bare.samples, context.runner, lambda share: context.progress.report(0.7 * share), lambda: None)
-    table = bare.table(TableStage.COMPLETE, further_runs(bare.samples, context, 0.7, 0.2)).table
+    simulate(bare.samples, context.runner, lambda share: context.progress.report(0.9 * share), lambda: None)
+    table = bare.table(TableStage.COMPLETE).table
     report = build_report(solid.tree, solid.with_model(fem), bare.wind, table, None, None)
     made = BareTable(encode(table), {name: report[name] for name in BARE_REPORT_KEYS})
     context.artefacts.publish(BARE_TABLE_FILE, lambda: made.table)

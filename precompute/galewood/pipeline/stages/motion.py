@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from galewood.pipeline.results import BuildResult
-from galewood.pipeline.sampling import DesignWind, SampledRun, Samples, SampleTask, design_wind, simulate
+from galewood.pipeline.sampling import DesignWind, Samples, SampleTask, design_wind, simulate
 from galewood.pipeline.stages.context import BuildContext, runs_as
 from galewood.pipeline.stages.solid import SolidTree
 from galewood.pipeline.stages.stage import Stage
@@ -32,10 +32,6 @@ from galewood.solid.model import build_model
 from galewood.table import Records, encode
 from galewood.wood import Wood
 
-FURTHER_RUNS_MESSAGE = "Computing additional training runs for large bending"
-"""Message while additional training runs are simulated."""
-FurtherRuns = Callable[[], Sequence[SampledRun]]
-
 
 @dataclass(frozen=True)
 class ModelledTree:
@@ -47,20 +43,13 @@ class ModelledTree:
     samples: Samples
     options: BuildOptions
 
-    def table(self, stage: TableStage, further: FurtherRuns = tuple) -> DefaultPart:
-        """Fit a table to the runs of its stage. ``further`` simulates the additional runs."""
+    def table(self, stage: TableStage) -> DefaultPart:
+        """Fit a table to the runs of its stage."""
         samples = stage.samples(self.samples)
-        tasks: list[SampleTask] = [*samples.default]
-
-        def further_runs() -> Sequence[SampledRun]:
-            runs = further()
-            tasks.extend(samples.further[: len(runs)])
-            return runs
-
-        training = self.model.training(samples.default_runs(), self.options.modes, further_runs)
+        training = self.model.training(samples.default_runs(), self.options.modes)
         part = assemble_default(training, self._context())
         stage.mark(part.table)
-        part.table.metadata["provenance"].update(_winds(tasks))
+        part.table.metadata["provenance"].update(_winds(samples.default))
         return part
 
     def _context(self) -> TableContext:
@@ -157,7 +146,7 @@ def simulate_runs(modelled: ModelledTree, context: BuildContext) -> SimulatedTre
 def fit_table(simulated: SimulatedTree, context: BuildContext) -> FittedTree:
     """Fit the default method to the training runs, and pass on its complete table."""
     tree = simulated.modelled
-    part = tree.table(TableStage.COMPLETE, further_runs(tree.samples, context, 0.0, 0.8))
+    part = tree.table(TableStage.COMPLETE)
     compliance = compliance_file(
         tree.model.fem,
         tree.solid.surface.embedding,
@@ -166,18 +155,6 @@ def fit_table(simulated: SimulatedTree, context: BuildContext) -> FittedTree:
     fitted = FittedTree(tree, part, encode(part.table), compliance)
     context.on_table(fitted.result(context))
     return fitted
-
-
-def further_runs(samples: Samples, context: BuildContext, start: float, share: float) -> FurtherRuns:
-    """Simulates the additional training runs, which take ``share`` of the stage from ``start``."""
-
-    def simulated() -> Sequence[SampledRun]:
-        return samples.further_runs(
-            context.runner,
-            lambda done: context.progress.report(start + share * done, FURTHER_RUNS_MESSAGE),
-        )
-
-    return simulated
 
 
 def _winds(tasks: Sequence[SampleTask]) -> dict[str, list[object]]:

@@ -5,7 +5,7 @@ A build and the evaluation of its table plan the same runs and fit the same mode
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ from galewood.pipeline.reduction import (
     ModalTraining,
     Oscillators,
     oscillators_of,
-    sizes_for,
+    size_for,
     training_winds,
 )
 from galewood.pipeline.sampling import SampledRun, Samples, plan_samples
@@ -50,14 +50,6 @@ class TrainingModel:
             frames=options.frames, all_winds=options.all_cosine_winds,
         )  # fmt: skip
 
-    def training(
-        self,
-        runs: Sequence[SampledRun],
-        modes: int | None,
-        further: Callable[[], Sequence[SampledRun]] = tuple,
-    ) -> ModalTraining:
-        """The training of a modal model of ``modes`` oscillators, or of the standard sizes.
-
-        ``further`` returns additional runs; it is called only if the first ones do not suffice.
-        """
-        return ModalTraining(self.oscillators, self.fem.settings, runs, sizes_for(modes), further)
+    def training(self, runs: Sequence[SampledRun], modes: int | None) -> ModalTraining:
+        """The training of a modal model of ``modes`` oscillators, or of the standard size."""
+        return ModalTraining(self.oscillators, self.fem.settings, runs, size_for(modes))

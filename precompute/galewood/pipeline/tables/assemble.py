@@ -19,13 +19,10 @@ from galewood.motion.search import (
     typical_error,
 )
 from galewood.pipeline.reduction import (
-    GustModes,
     ModalTraining,
     Oscillators,
     Subspace,
-    fit_smallest,
-    gust_modes,
-    gust_range,
+    fitted,
     linear_motion,
     quantise,
     quantum,
@@ -67,33 +64,30 @@ class DefaultPart:
 
 
 def assemble_linear(
-    body: Oscillators, winds_pa: Sequence[Floats], fem: FemSettings, of: TableContext
+    body: Oscillators, winds: Sequence[SampleWind], fem: FemSettings, of: TableContext
 ) -> Table:
     """A table of natural modes alone: linear motion, without any simulation.
 
-    ``winds_pa`` (T, 2) are the winds whose motion decides which vertices share a node.
+    ``winds`` are those whose motion decides which vertices share a node.
     """
-    linear = linear_motion(body, of.mass_kg, winds_pa, fem)
-    motion = ModalMotion(linear.modal, linear.subspace, linear.q, winds_pa)
-    return _table(motion, gust_modes(body, fem), {}, of)
+    linear = linear_motion(body, of.mass_kg, winds, fem)
+    motion = ModalMotion(linear.modal, linear.subspace, linear.q, [wind.pressure_pa for wind in winds])
+    return _table(motion, {}, of)
 
 
 def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
     """The table of the default method, fitted to the training runs."""
-    tolerance_m = of.settings.truncation_share * of.height_m
-    fitted = fit_smallest(training, of.mass_kg, of.height_m, tolerance_m)
-    subspace = fitted.subspace
+    model = fitted(training, of.mass_kg)
+    subspace = model.subspace
     errors = {
         "truncation_max_m": subspace.max_error_m,
         "truncation_energy": subspace.energy_left,
-        "training_m": fitted.training_error_m,
+        "training_m": model.training_error_m,
     }
     q = [subspace.project(run.displacement_m) for run in training.runs]
     of = replace(of, mesh=of.mesh.smoothed(subspace.basis, np.concatenate(q)))
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
-    motion = ModalMotion(fitted.modal, subspace, q, winds_pa)
-    layer = gust_modes(training.body, training.scheme)
-    table = _table(motion, layer, errors, of)
+    table = _table(ModalMotion(model.modal, subspace, q, winds_pa), errors, of)
     if of.mesh.distortion:
         table = with_attached_pieces(table, of.mesh.distortion, q)
         table.metadata["drawn"] = of.mesh.distortion.of(table, q)
@@ -154,25 +148,16 @@ class ModalMotion:
     winds_pa: Sequence[Floats]
 
     @property
-    def strengths_pa(self) -> Floats:
-        """Strengths of all winds, Pa."""
-        return np.concatenate([np.linalg.norm(wind, axis=1) for wind in self.winds_pa])
+    def strongest_pa(self) -> float:
+        """Strength of the strongest wind, Pa."""
+        return max(float(np.linalg.norm(wind, axis=1).max(initial=0.0)) for wind in self.winds_pa)
 
 
-def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: TableContext) -> Table:
-    """The table of a modal model and a gust layer."""
-    modal, strengths_pa = motion.modal, motion.strengths_pa
-    most_pa = max(float(strengths_pa.max(initial=0.0)), float(modal.limits[2]))
-    typical_pa = float(np.sqrt(np.mean(np.square(strengths_pa))))
-    dt_s = float(of.description["dt_s"])
-    typical, strongest = gust_range(layer, (typical_pa, most_pa), dt_s)
-    shapes = layer.shapes.reshape(len(layer.shapes), -1, 3).transpose(1, 2, 0)
-    basis = np.concatenate([motion.subspace.basis, shapes], axis=2)
-    every = np.concatenate(motion.q)
-    q_rms = np.sqrt(np.concatenate([np.mean(every**2, axis=0), np.mean(typical**2, axis=0)]))
-    r = motion.subspace.modes
-    skin = _skin(basis, q_rms, _strong(motion.q, strongest), of)
-    reach_m = _reach_m(skin.node_basis[:, :, :r], every) + _reach_m(skin.node_basis[:, :, r:], strongest)
+def _table(motion: ModalMotion, errors: Metadata, of: TableContext) -> Table:
+    """The table of a modal model."""
+    modal, basis, every = motion.modal, motion.subspace.basis, np.concatenate(motion.q)
+    most_pa = max(motion.strongest_pa, float(modal.limits[2]))
+    skin = _skin(basis, np.sqrt(np.mean(every**2, axis=0)), _strong(every), of)
     metadata: Metadata = {
         "format": TABLE_FORMAT,
         "version": TABLE_VERSION,
@@ -180,11 +165,10 @@ def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: TableCon
         "modes": basis.shape[2],
         "primitives": of.mesh.primitives,
         "peak_pressure_pa": most_pa,
-        "reach_m": REACH_MARGIN * reach_m,
+        "reach_m": REACH_MARGIN * _reach_m(skin.node_basis, every),
         "errors": {**errors, "node_rms_m": skin.rms_error_m, "node_max_m": skin.max_error_m},
     }
-    scale = np.full(basis.shape[2], quantum([*motion.q, strongest]), np.float32)
-    gusts = layer.tensors
+    scale = np.full(basis.shape[2], quantum(motion.q), np.float32)
     return Table(
         metadata=metadata, mode_scale=scale,
         node_basis=skin.node_basis, node_rest_m=skin.node_rest_m,
@@ -194,7 +178,7 @@ def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: TableCon
         modal_step=modal.step, modal_load=modal.load, modal_sway=modal.sway, modal_force=modal.force,
         modal_shown=modal.shown, modal_pose=modal.pose, modal_limits=modal.limits,
         modal_drag_point=modal.drag_point, modal_drag_shape=modal.drag_shape, modal_drag_rest=modal.drag_rest,
-        gust_place=gusts.place, gust_step=gusts.step, gust_load=gusts.load, gust_drag=gusts.drag,
+        modal_drag_place=modal.drag_place, modal_place=modal.place, modal_place_load=modal.place_load,
     )  # fmt: skip
 
 
@@ -202,17 +186,10 @@ STRONG_POSES = 24
 """Poses of the training runs in which the motion of the branches must follow from that of the nodes."""
 
 
-def _strong(q: Sequence[Floats], gusts: Floats) -> Floats:
-    """(k, r) poses of the largest motion in the runs q (T, f), and of the gust layer (T, L)."""
-    every = np.concatenate(q)
-    far = np.argsort(-np.linalg.norm(every, axis=1), kind="stable")[: max(1, len(every) // 8)]
-    runs = every[far[:: max(1, len(far) // STRONG_POSES)]]
-    far = np.argsort(-np.linalg.norm(gusts, axis=1), kind="stable")[: max(1, len(gusts) // 8)]
-    gusty = gusts[far[:: max(1, 4 * len(far) // STRONG_POSES)]]
-    poses = np.zeros((len(runs) + len(gusty), every.shape[1] + gusts.shape[1]))
-    poses[: len(runs), : every.shape[1]] = runs
-    poses[len(runs) :, every.shape[1] :] = gusty
-    return poses
+def _strong(q: Floats) -> Floats:
+    """(k, r) poses of the largest motion in q (f, r)."""
+    far = np.argsort(-np.linalg.norm(q, axis=1), kind="stable")[: max(1, len(q) // 8)]
+    return q[far[:: max(1, len(far) // STRONG_POSES)]]
 
 
 def _skin(basis: Floats, q_rms: Floats, strong: Floats, of: TableContext) -> Skin:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from galewood.pipeline.reduction import Exposure, Oscillators, training_winds
+from galewood.pipeline.reduction import Exposure, Oscillators, in_gusts, training_winds
 from galewood.pipeline.sampling import MAX_SWAY_SHARE
 from galewood.pipeline.tables.assemble import TableContext, assemble_linear
 from galewood.pipeline.tables.options import BuildOptions
@@ -37,8 +37,7 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
         options.table,
     )
     oscillators = _oscillators(model, wood.damping_ratio, options)
-    training = training_winds(oscillators, model.mass_kg, tree.height_m, options.fem, options.seed)
-    winds = [wind.pressure_pa for wind in training.default]
+    winds = training_winds(oscillators, model.mass_kg, tree.height_m, options.fem, options.seed)
     table = assemble_linear(oscillators, winds, options.fem, of)
     TableStage.BEAMS.mark(table)
     return encode(table)
@@ -59,4 +58,5 @@ def _oscillators(model: BeamModel, damping_ratio: float, options: BuildOptions) 
         model.exposed_area_m2, model.sheltered_share, model.wind_profile, model.streamlined_exponent,
         model.place_m,
     )  # fmt: skip
-    return Oscillators(omega, damping, model.shapes.reshape(len(omega), -1), model.load, exposure)
+    shapes = model.shapes.reshape(len(omega), -1)
+    return in_gusts(Oscillators(omega, damping, shapes, model.load, exposure))

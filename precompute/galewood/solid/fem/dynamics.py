@@ -64,6 +64,11 @@ class Simulator:
         return self._velocity[self._vertices]
 
     @property
+    def place_m(self) -> Floats:
+        """(N,3) places of all nodes at gravity rest, m."""
+        return self.model.nodes_m + self.model.u_rest
+
+    @property
     def internal_force(self) -> Floats:
         """(n,3) internal force before the last step minus the gravity it balances, N.
 

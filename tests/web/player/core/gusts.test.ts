@@ -1,6 +1,8 @@
 import { expect, test } from "vitest";
-import { GustLayer } from "../../../../web/player/src/core/modal/gustLayer";
-import { fittedModes, decodeTable } from "../../../../web/player/src/core/table/table";
+import { ModalForest } from "../../../../web/player/src/core/modal/modalForest";
+import { PlaceGusts } from "../../../../web/player/src/core/modal/placeGusts";
+import { GroupWind } from "../../../../web/player/src/core/motion/groupWind";
+import { decodeTable } from "../../../../web/player/src/core/table/table";
 import { CrownGusts } from "../../../../web/player/src/core/wind/crown";
 import { compressed, compression } from "../../../../web/player/src/core/wind/pressure";
 import type { WindDocument } from "../../../../web/player/src/core/wind/document";
@@ -19,7 +21,8 @@ interface Driven {
 
 const TABLE = decodeTable(golden("pole.safetensors"));
 const GOLDEN = goldenJson<Driven>("gusts.json");
-const { modes, height_m } = TABLE.metadata;
+const { modes, height_m, streamlined_exponent } = TABLE.metadata;
+const STRIDE = Math.ceil((modes + 1) / 4) * 4;
 const FRAME_S = 1 / 30;
 
 const placement = () => {
@@ -33,7 +36,7 @@ function forest(field: WindField, method: "modal" | "paper" = "modal"): LocalMot
 }
 
 function* play(frames: number, motion: LocalMotion, each: (frame: number) => void) {
-  const out = [new Float32Array(3 * Math.ceil((modes + 1) / 4) * 4)];
+  const out = [new Float32Array(3 * STRIDE)];
   for (let frame = 0; frame < frames; frame++) {
     each(frame);
     motion.advance(FRAME_S, out);
@@ -42,16 +45,16 @@ function* play(frames: number, motion: LocalMotion, each: (frame: number) => voi
 }
 
 test("gusts within crowns agree with Python to 1e-9", () => {
-  const gusts = new CrownGusts(TABLE.metadata.streamlined_exponent);
+  const gusts = new CrownGusts(streamlined_exponent);
   gusts.set(new WindField(GOLDEN.winds[0]).at(7.25));
   const { x_m, z_m, yaw_rad, scale } = GOLDEN.trees;
   const yaw = yaw_rad.map(Math.fround);
   const turn = yaw.flatMap((angle) => [Math.cos(angle), Math.sin(angle)]);
   const trees = { x: x_m.map(Math.fround), z: z_m.map(Math.fround), turn, size: scale.map(Math.fround) };
-  const places = TABLE.gusts.place.length / 3;
+  const places = TABLE.modal.place.length / 3;
   const found = [0, 9, 40].flatMap((pressure, i) => {
     const out = new Float64Array(2 * places);
-    gusts.write(TABLE.gusts.place, trees, i, Math.hypot(pressure, 0.5 * pressure), out);
+    gusts.write(TABLE.modal.place, trees, i, Math.hypot(pressure, 0.5 * pressure), out);
     return [...out];
   });
   expect(found.length).toBe(GOLDEN.gusts.length);
@@ -61,7 +64,6 @@ test("gusts within crowns agree with Python to 1e-9", () => {
 test("trees in a changing wind, in and beyond the sampled range, agree with Python to 1e-5 of the height", () => {
   const field = new WindField(GOLDEN.winds[0]);
   const turnAt = GOLDEN.frames / GOLDEN.winds.length;
-  const stride = Math.ceil((modes + 1) / 4) * 4;
   const motion = forest(field);
   const change = (frame: number) => {
     if (frame > 0 && frame % turnAt === 0) field.change(GOLDEN.winds[frame / turnAt], frame * FRAME_S);
@@ -73,45 +75,58 @@ test("trees in a changing wind, in and beyond the sampled range, agree with Pyth
     const expected = GOLDEN.poses[frame / GOLDEN.every - 1];
     for (let tree = 0; tree < 3; tree++) {
       for (let k = 0; k < modes; k++) {
-        const gap = Math.abs(poses[tree * stride + k] - expected[tree * modes + k]);
+        const gap = Math.abs(poses[tree * STRIDE + k] - expected[tree * modes + k]);
         expect(gap / height_m, `frame ${frame}, tree ${tree}, mode ${k}`).toBeLessThan(1e-5);
       }
     }
   }
 });
 
-test("far from the viewer the gusts fade out, and the layer comes to rest", () => {
-  const motion = forest(new WindField(GOLDEN.winds[0]));
-  const first = fittedModes(TABLE);
-  const moves = (poses: Float32Array) => poses.subarray(first, modes).some((value) => value !== 0);
-  let last = new Float32Array(0);
-  for (const poses of play(60, motion, () => {})) last = poses;
-  expect(moves(last)).toBe(true);
-  motion.see(1e4, 0);
-  for (const poses of play(900, motion, () => {})) last = poses;
-  expect(moves(last)).toBe(false);
-  motion.see(0, 0);
-  for (const poses of play(60, motion, () => {})) last = poses;
-  expect(moves(last)).toBe(true);
+test("far from the viewer trees feel the same wind everywhere in their crowns; the gusts fade out on the way", () => {
+  const [near, between, far] = [0, 65, 1e4].map((far_m) => {
+    const field = new WindField(GOLDEN.winds[0]);
+    const motion = forest(field);
+    let last = new Float32Array(0);
+    for (const poses of play(120, motion, () => motion.see(far_m, 0))) last = poses;
+    return last;
+  });
+  const field = new WindField(GOLDEN.winds[0]);
+  const wind = new GroupWind(placement(), height_m, TABLE.modal.limits[2], streamlined_exponent);
+  const calm = new ModalForest(TABLE, 3);
+  calm.setTrees(wind.x, wind.z, wind.column(2), wind.column(3));
+  for (let frame = 0, time_s = 0; frame < 120; frame++) {
+    time_s += FRAME_S;
+    wind.update(field, field.at(time_s));
+    calm.advance(FRAME_S, wind.pressureX, wind.pressureZ);
+  }
+  const gap = (poses: Float32Array) => Math.hypot(...calm.q.map((q, k) => q - poses[STRIDE * Math.floor(k / modes) + (k % modes)]));
+  expect(gap(far)).toBe(0);
+  expect(gap(between)).toBeGreaterThan(1e-4);
+  expect(gap(near)).toBeGreaterThan(1.2 * gap(between));
 });
 
-test("a layer that takes over the state of another continues like it", () => {
-  const field = new WindField(GOLDEN.winds[0]);
-  const one = new GustLayer(TABLE, 2);
-  const push = Float32Array.from([30, 30]);
-  const calm = Float32Array.from([0, 0]);
-  const turn = Float32Array.from([1, 0, 1, 0]);
-  const still = Float32Array.from([0, 0]);
-  const size = Float32Array.from([1, 1]);
-  const trees = { x: Float32Array.from([3, 40]), z: calm, turn, size, phase: still, rate: 1 };
-  const q = new Float32Array(2 * modes);
-  for (let frame = 0; frame < 40; frame++) one.advance(field.at(frame * FRAME_S), trees, push, calm, null, q);
-  const other = new GustLayer(TABLE, 2);
-  other.adopt(one, Int32Array.from([0, 1]));
-  const [a, b] = [q.slice(), q.slice()];
-  one.advance(field.at(2), trees, push, calm, null, a);
-  other.advance(field.at(2), trees, push, calm, null, b);
-  expect([...b]).toEqual([...a]);
+test("the pressures of the gusts are along and across that at the tree, in its frame, and fade with its share", () => {
+  const gusts = new PlaceGusts(TABLE.modal, 1);
+  const places = TABLE.modal.place.length / 3;
+  gusts.set(new WindField(GOLDEN.winds[0]).at(7.25));
+  const tree = { x: [3], z: [4], turn: [Math.cos(0.7), Math.sin(0.7)], size: [1.2] };
+  const relative = new Float64Array(2 * places);
+  const direct = new CrownGusts(streamlined_exponent);
+  direct.set(new WindField(GOLDEN.winds[0]).at(7.25));
+  direct.write(TABLE.modal.place, tree, 0, 50, relative);
+  const out = new Float64Array(2 * places);
+  expect(gusts.write(tree, 0, 30, -40, out)).toBe(true);
+  for (let g = 0; g < places; g++) {
+    expect(out[g]).toBeCloseTo(30 * relative[2 * g] + 40 * relative[2 * g + 1], 9);
+    expect(out[places + g]).toBeCloseTo(-40 * relative[2 * g] + 30 * relative[2 * g + 1], 9);
+  }
+  const half = new Float64Array(2 * places);
+  gusts.share[0] = 0.5;
+  gusts.write(tree, 0, 30, -40, half);
+  half.forEach((value, k) => expect(value).toBeCloseTo(out[k] / 2, 9));
+  expect(gusts.write(tree, 0, 0, 0, out)).toBe(false);
+  gusts.share[0] = 0;
+  expect(gusts.write(tree, 0, 30, -40, out)).toBe(false);
 });
 
 test("pressure beyond the sampled range is compressed, and never falls as the wind rises", () => {

@@ -2,11 +2,13 @@ import { expect, test } from "vitest";
 import { compileKernel } from "../../../../web/scripts/compileKernel";
 import { decodeTable, type Table } from "../../../../web/player/src/core/table/table";
 import { ModalForest } from "../../../../web/player/src/core/modal/modalForest";
+import { PlaceGusts } from "../../../../web/player/src/core/modal/placeGusts";
+import { WindField } from "../../../../web/player/src/core/wind/field";
+import { CALM_BREEZE } from "../../../../web/player/src/core/wind/presets";
 import { MODAL_KERNEL } from "../../../../web/player/src/core/modal/modalKernel.wasm";
 import { contracts, forceTerms, poseTerms } from "../../../../web/player/src/core/modal/modalTensors";
 import { golden } from "../../golden";
 import { seededRandom } from "../../seeded";
-import { NO_GUSTS } from "../../tableFile";
 
 const POLE = decodeTable(golden("pole.safetensors"));
 
@@ -14,8 +16,11 @@ test("the committed kernel equals its compiled source", { timeout: 60_000 }, asy
   expect(Buffer.from(await compileKernel()).toString("hex"), "run: npm run kernel").toBe(MODAL_KERNEL);
 });
 
-/** A table of d oscillators, c coupled coordinates and r modes, with a polynomial force much weaker than the springs. */
-function madeUp(d: number, c: number, r: number, m: number, next: () => number): Table {
+/** Numbers of oscillators, coupled coordinates, modes, drag points, and places of the crown. */
+type Sizes = readonly [d: number, c: number, r: number, m: number, places: number];
+
+/** A table of these sizes, with a polynomial force much weaker than the springs. */
+function madeUp([d, c, r, m, places]: Sizes, next: () => number): Table {
   const some = (length: number, size: number) => Float32Array.from({ length }, () => size * (2 * next() - 1));
   const step = new Float32Array(6 * d);
   for (let k = 0; k < d; k++) {
@@ -43,37 +48,46 @@ function madeUp(d: number, c: number, r: number, m: number, next: () => number):
     dragPoint: Float32Array.from({ length: 2 * m }, (_, at) => (at % 2 ? 1 : 3) * next()),
     dragShape: some(3 * m * d, 0.2),
     dragRest: Float32Array.from({ length: d }, () => 0.05 * next()),
+    dragPlace: Float32Array.from({ length: m * places }, () => (2 * next()) / places),
+    place: some(3 * places, 6),
+    placeLoad: some(2 * d * places, 0.1 / Math.sqrt(places)),
     streamlinedExponent: 1 + next(),
   };
-  return { ...POLE, modal, gusts: NO_GUSTS, metadata: { ...POLE.metadata, modes: r } };
+  return { ...POLE, modal, metadata: { ...POLE.metadata, modes: r } };
 }
 
-const SIZES = [
-  [16, 4, 24, 4],
-  [48, 12, 60, 8],
-  [5, 3, 5, 1],
-  [17, 2, 26, 5],
-  [8, 0, 9, 0],
-  [16, 0, 16, 3],
-  [20, 6, 20, 12],
-] as const;
-const TITLE = "%i oscillators, %i coupled, %i modes, %i drag points: agrees with the TypeScript implementation";
+const SIZES: Sizes[] = [
+  [24, 4, 30, 12, 16],
+  [16, 4, 24, 4, 0],
+  [48, 12, 60, 8, 32],
+  [5, 3, 5, 1, 1],
+  [17, 2, 26, 5, 7],
+  [8, 0, 9, 0, 3],
+  [8, 0, 9, 0, 0],
+  [16, 0, 16, 3, 6],
+  [20, 6, 20, 12, 5],
+];
+const TITLE = "%i oscillators, %i coupled, %i modes, %i drag points, %i places: agrees with the TypeScript implementation";
 
-test.each(SIZES)(TITLE, (d, c, r, m) => {
-  const next = seededRandom(d);
-  const table = madeUp(d, c, r, m, next);
+test.each(SIZES)(TITLE, (...sizes) => {
+  const next = seededRandom(sizes[0]);
+  const table = madeUp(sizes, next);
   expect(contracts(table.modal.step)).toBe(true);
   const count = 5;
   const forests = [new ModalForest(table, count), new ModalForest(table, count, true)];
   expect(forests.map(({ compiled }) => compiled)).toEqual([true, false]);
   const scale = Float32Array.from({ length: count }, () => 0.6 + next());
   for (const forest of forests) forest.setTrees(scale, scale, scale, scale);
+  const field = new WindField({ ...CALM_BREEZE, gustiness: 0.8 });
+  const gusts = new PlaceGusts(table.modal, count);
+  gusts.share[2] = 0;
   let largest = 0;
   for (let frame = 0; frame < 2000; frame++) {
+    gusts.set(field.at(frame / 30));
     const strength = frame < 1500 ? 30 : 0;
     const px = scale.map((s) => strength * Math.cos(0.11 * frame * s));
     const pz = scale.map((s) => strength * Math.sin(0.07 * frame + s));
-    for (const forest of forests) forest.advance(1 / 30, px, pz);
+    for (const forest of forests) forest.advance(1 / 30, px, pz, frame % 500 < 400 ? gusts : null);
     const [kernel, plain] = forests;
     plain.q.forEach((q, k) => {
       largest = Math.max(largest, Math.abs(q));
@@ -87,7 +101,7 @@ test.each(SIZES)(TITLE, (d, c, r, m) => {
 });
 
 test("a forest continues from the state of another one of the same table", () => {
-  const table = madeUp(17, 2, 26, 4, seededRandom(5));
+  const table = madeUp([17, 2, 26, 4, 6], seededRandom(5));
   const before = new ModalForest(table, 3);
   const wind = [20, 10, 5];
   for (let frame = 0; frame < 60; frame++) before.advance(1 / 30, wind, wind);
@@ -103,7 +117,7 @@ test("a forest continues from the state of another one of the same table", () =>
 });
 
 test("trees start at rest if the state layout of the previous forest differs", () => {
-  const table = madeUp(16, 2, 21, 3, seededRandom(6));
+  const table = madeUp([16, 2, 21, 3, 0], seededRandom(6));
   const before = new ModalForest(table, 2, true);
   for (let frame = 0; frame < 60; frame++) before.advance(1 / 30, [20, 10], [20, 10]);
   const after = new ModalForest(table, 2);

@@ -1,7 +1,7 @@
 import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
 import { decodeRecords, type Records, recordsOf } from "../../../../web/player/src/core/table/records";
-import { decodeTable, type Table, TableError, fittedModes } from "../../../../web/player/src/core/table/table";
+import { decodeTable, type Table, TableError } from "../../../../web/player/src/core/table/table";
 import { tableMotion } from "../../../../web/player/src/worker/table/tableMotion";
 import { golden, random } from "../../golden";
 import { tampered } from "../../tableFile";
@@ -15,14 +15,16 @@ const SHA256 = createHash("sha256").update(ALONE).digest("hex");
 const withRecords = (table: Table) => table as Table & { paper: Records };
 
 test("reads a table written by Python", () => {
-  const { metadata, vertexNode, paper, gusts } = withRecords(decodeTable(FILE));
+  const { metadata, vertexNode, paper, modal } = withRecords(decodeTable(FILE));
   expect(metadata.species).toBe("pole");
   expect(metadata.reach_m).toBeGreaterThan(0);
   expect(metadata.peak_pressure_pa).toBeGreaterThan(10);
   expect(metadata.paper).toBeUndefined();
   expect(vertexNode.length).toBe(15);
-  const fitted = metadata.modes - gusts.drag.length;
-  expect(paper.dq.length).toBe(paper.metadata.records * fitted);
+  expect(paper.dq.length).toBe(paper.metadata.records * metadata.modes);
+  const [places, points, d] = [modal.place.length / 3, modal.dragPoint.length / 2, modal.shown.length];
+  expect(places).toBeGreaterThan(0);
+  expect([modal.dragPlace.length, modal.placeLoad.length]).toEqual([points * places, 2 * d * places]);
 });
 
 test("reads the same table from an ArrayBuffer and at an odd offset in a larger one", () => {
@@ -39,20 +41,20 @@ describe("a table without records", () => {
   test("is the same table, and its records file holds the same records", () => {
     const whole = decodeTable(FILE);
     expect(decodeTable(ALONE)).toEqual({ ...whole, paper: null });
-    const modes = fittedModes(decodeTable(ALONE));
+    const { modes } = whole.metadata;
     expect(recordsOf(RECORDS, { sha256: SHA256, modes })).toEqual(whole.paper);
   });
 
   test("does not accept records of another table, or of another number of modes", () => {
     const other = createHash("sha256").update(FILE).digest("hex");
-    const modes = fittedModes(decodeTable(FILE));
+    const { modes } = decodeTable(FILE).metadata;
     expect(() => recordsOf(RECORDS, { sha256: other, modes })).toThrow("these records belong to another table");
     expect(() => recordsOf(RECORDS, { sha256: SHA256, modes: modes - 1 })).toThrow(TableError);
   });
 
   test("may consist of oscillators alone: tensors of size zero", () => {
-    const { modal } = decodeTable(LINEAR);
-    expect([fittedModes(decodeTable(LINEAR)), modal.shown.length, modal.pose.length, modal.limits.length]).toEqual([5, 5, 0, 3]);
+    const { modal, metadata } = decodeTable(LINEAR);
+    expect([metadata.modes, modal.shown.length, modal.pose.length, modal.limits.length]).toEqual([5, 5, 0, 3]);
     expect(tableMotion("", decodeTable(LINEAR), 0)).toMatchObject({
       preliminary: true,
       linear: true,

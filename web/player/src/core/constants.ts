@@ -313,10 +313,8 @@ export const MAX_MODES = 256;
 export const MAX_OSCILLATORS = 64;
 /** Most drag points of the modal model. */
 export const MAX_DRAG_POINTS = 32;
-/** Most places at which the gust layer takes the wind. */
-export const MAX_GUST_PLACES = 32;
-/** Most oscillators of the gust layer. */
-export const MAX_GUST_OSCILLATORS = 64;
+/** Most places of the crown whose gusts drive the modal model. */
+export const MAX_PLACES = 32;
 /** Numbers of a table's metadata and their ranges. */
 export const TABLE_RANGES = {
   height_m: [0.01, 1000],
@@ -347,10 +345,9 @@ export const TABLE_TENSORS = {
   "modal.drag_point": ["F32", 2],
   "modal.drag_shape": ["F32", 3],
   "modal.drag_rest": ["F32", 1],
-  "gusts.place": ["F32", 2],
-  "gusts.step": ["F32", 2],
-  "gusts.load": ["F32", 2],
-  "gusts.drag": ["F32", 1],
+  "modal.drag_place": ["F32", 2],
+  "modal.place": ["F32", 2],
+  "modal.place_load": ["F32", 3],
 } as const;
 /** Field `format` of a records file's metadata. */
 export const RECORDS_FORMAT = "galewood-records";
@@ -401,8 +398,6 @@ export const MAX_STEPS_PER_ADVANCE = 8;
 export const MODAL_REACH = 1.25;
 /** In still air a motion below this share of the sampled range is set to exactly zero. */
 export const MODAL_REST = 1e-7;
-/** In still air a motion of the gust layer below this is set to exactly zero [m, m/s]. */
-export const GUST_LAYER_REST = 1e-6;
 /** Fewest oscillators whose speed determines the velocity of the drag points; otherwise half of them. */
 export const FEWEST_DRAG_INPUTS = 8;
 /** 4/3: mean over all directions of the derivative of a quadratic drag, over pressure per speed. */

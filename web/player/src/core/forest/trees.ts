@@ -1,6 +1,6 @@
 /** Trees of one table as both the public forest and the worker step them: by the modal method. */
-import { GustLayer } from "../modal/gustLayer";
 import { ModalForest } from "../modal/modalForest";
+import { PlaceGusts } from "../modal/placeGusts";
 import { GroupWind } from "../motion/groupWind";
 import { SteppedTrees, stepsOf } from "../motion/steppedTrees";
 import type { Table } from "../table/table";
@@ -13,7 +13,7 @@ export function treesOf(table: Table, placement: Float32Array): Trees {
   const { height_m, modes, streamlined_exponent } = table.metadata;
   const count = placement.length / 4;
   const wind = new GroupWind(placement, height_m, table.modal.limits[2], streamlined_exponent);
-  return new SteppedTrees(new ModalForest(table, count), new GustLayer(table, count), wind, modes);
+  return new SteppedTrees(new ModalForest(table, count), new PlaceGusts(table.modal, count), wind, modes);
 }
 
 /** The same trees, in the same pose, at other places. */
@@ -21,7 +21,6 @@ export function movedTo(trees: Trees, table: Table, placement: Float32Array): Tr
   const moved = treesOf(table, placement);
   const rows = Int32Array.from({ length: Math.min(trees.lookup.count, moved.lookup.count) }, (_, i) => i);
   moved.lookup.adopt(trees.lookup, rows);
-  if (trees.gusts) moved.gusts?.adopt(trees.gusts, rows);
   return moved;
 }
 

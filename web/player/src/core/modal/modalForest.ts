@@ -8,11 +8,11 @@
 
 import { MODAL_REACH, MODAL_REST } from "../constants";
 import { type Numbers, TreeInstances } from "../motion/treeInstances";
-import { fittedModes, type Table } from "../table/table";
+import type { Table } from "../table/table";
 import { addRows } from "./addRows";
 import { ModalDrag } from "./modalDrag";
 import { ModalKernel } from "./modalKernel";
-import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
+import { coupledOf, forceTerms, meanGust, poseTerms } from "./modalTensors";
 
 /** Trees of one table, each with its own state, orientation and time scale. */
 export class ModalForest extends TreeInstances {
@@ -38,14 +38,18 @@ export class ModalForest extends TreeInstances {
   private readonly total: Float64Array;
   private readonly further: Float64Array;
   private readonly pair = new Float64Array(2);
+  /** [G] weights of the places in the mean gust, and [d, 2, G] load of the gusts. */
+  private readonly mean: Float64Array;
+  private readonly placeLoad: Float64Array;
+  /** [2, G] gusts at the places of the tree that steps, Pa. */
+  private readonly local: Numbers;
 
   /** `plain`: use this double-precision implementation even where the kernel is available. */
   constructor(table: Table, count: number, plain = false) {
     const { modal, metadata } = table;
     const { modes, dt_s } = metadata;
-    const fitted = fittedModes(table);
-    const kernel = plain ? null : ModalKernel.make(modal, fitted, count, dt_s);
-    super(count, fitted, dt_s, modes, kernel);
+    const kernel = plain ? null : ModalKernel.make(modal, modes, count, dt_s);
+    super(count, modes, dt_s, kernel);
     const d = modal.step.length / 6;
     this.d = d;
     this.kernel = kernel;
@@ -66,6 +70,9 @@ export class ModalForest extends TreeInstances {
     this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
     this.total = new Float64Array(d);
     this.further = new Float64Array(this.r - d);
+    this.mean = meanGust(modal);
+    this.placeLoad = Float64Array.from(modal.placeLoad);
+    this.local = kernel?.local ?? new Float64Array(2 * this.mean.length);
   }
 
   /** Whether the kernel steps these trees. */
@@ -117,17 +124,27 @@ export class ModalForest extends TreeInstances {
   }
 
   protected step(i: number, px: number, pz: number): void {
-    if (this.kernel) this.kernel.step(i, px, pz);
-    else this.stepPlainly(i, px, pz);
+    const gusty = this.gusts?.write(this.standing, i, px, pz, this.local) ?? false;
+    const places = gusty ? this.mean.length : 0;
+    if (this.kernel) this.kernel.step(i, px, pz, places);
+    else this.stepPlainly(i, px, pz, places);
   }
 
-  private stepPlainly(i: number, px: number, pz: number): void {
-    const { d, e, v, stepOf, load, total } = this;
+  /** `places`: G, or 0 if there are no gusts. */
+  private stepPlainly(i: number, px: number, pz: number, places: number): void {
+    const { d, e, v, stepOf, total, mean, local } = this;
     const first = i * d;
-    this.writeForceTerms(first, px, pz);
-    for (let k = 0; k < d; k++) total[k] = load[2 * k] * px + load[2 * k + 1] * pz;
+    let feltX = px;
+    let feltZ = pz;
+    for (let g = 0; g < places; g++) {
+      feltX += mean[g] * local[g];
+      feltZ += mean[g] * local[places + g];
+    }
+    this.writeForceTerms(first, feltX, feltZ);
+    this.writeLoads(px, pz, places);
     addRows(this.force, this.terms, forceTerms(this.c), d, total);
-    this.addDrag(first, px, pz);
+    this.drag.setWind(px, pz, places, local);
+    this.addDrag(first);
     for (let k = 0; k < d; k++) {
       const a = e[first + k];
       const b = v[first + k];
@@ -140,18 +157,28 @@ export class ModalForest extends TreeInstances {
       e.fill(0, first, first + d);
       v.fill(0, first, first + d);
     }
-    this.writePose(i, px, pz);
+    const strength = Math.sqrt(px * px + pz * pz);
+    this.writePose(i, feltX, feltZ, strength);
+  }
+
+  /** The forces of the wind on the tree at rest, into `total`. */
+  private writeLoads(px: number, pz: number, places: number): void {
+    const { d, load, total, placeLoad, local } = this;
+    for (let k = 0, at = 0; k < d; k++) {
+      total[k] = load[2 * k] * px + load[2 * k + 1] * pz;
+      for (let g = 0; g < 2 * places; g++) total[k] += placeLoad[at++] * local[g];
+    }
   }
 
   /** Adds the drag at the mean speed during the step, without the drag, to `total`. */
-  private addDrag(first: number, px: number, pz: number): void {
+  private addDrag(first: number): void {
     const { d, e, v, stepOf, total, ahead, dt } = this;
     for (let k = 0; k < d; k++) {
       const at = 6 * k;
       const path = stepOf[at] * e[first + k] + stepOf[at + 1] * v[first + k] + stepOf[at + 4] * total[k];
       ahead[k] = path / dt;
     }
-    this.drag.add(ahead, px, pz, total);
+    this.drag.add(ahead, total);
   }
 
   /** The two sway coordinates of a row of `values`, into `pair`. */
@@ -197,7 +224,7 @@ export class ModalForest extends TreeInstances {
     }
   }
 
-  /** All terms of the force at the midpoint of the step, extrapolated from the current state. */
+  /** All terms of the force at the midpoint of the step, extrapolated from the current state; (px, pz): mean pressure. */
   private writeForceTerms(first: number, px: number, pz: number): void {
     const { d, e, v, ahead, limits, pair } = this;
     const half = this.dt / 2;
@@ -275,8 +302,11 @@ export class ModalForest extends TreeInstances {
     return largest * Math.max(Math.abs(sway[0]), Math.abs(sway[d])) < small;
   }
 
-  /** Writes the pose of the current state, keeps the previous one, and updates the extrapolation ratio. */
-  private writePose(i: number, px: number, pz: number): void {
+  /**
+   * Writes the pose of the current state, keeps the previous one, and updates the extrapolation ratio. (px, pz): mean
+   * pressure over the crown; `strength_pa`: that at the tree.
+   */
+  private writePose(i: number, px: number, pz: number, strength_pa: number): void {
     const { d, c, r, e, terms, limits, pair, now, before, further, shownOf } = this;
     const first = i * d;
     for (let k = 0; k < d; k++) terms[k] = e[first + k];
@@ -284,7 +314,7 @@ export class ModalForest extends TreeInstances {
     terms[d + 1] = pz;
     this.projectOnSway(e, first);
     const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
-    this.extrapolationRatio[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
+    this.extrapolationRatio[i] = Math.max(sway, strength_pa / limits[2]);
     this.clampPair(MODAL_REACH * limits[0]);
     this.writeShape(pair[0], pair[1], e, first, d + 2);
     further.fill(0);
@@ -300,10 +330,10 @@ export class ModalForest extends TreeInstances {
     const { now, before, q, d } = this;
     const row = now.length / this.count;
     let from = i * row;
-    let at = i * this.width;
+    let at = i * this.r;
     for (const end = at + d; at < end; at++, from++) q[at] = before[from] + (now[from] - before[from]) * part;
     from = i * row + this.own;
-    for (const end = i * this.width + this.r; at < end; at++, from++) {
+    for (const end = (i + 1) * this.r; at < end; at++, from++) {
       q[at] = before[from] + (now[from] - before[from]) * part;
     }
   }

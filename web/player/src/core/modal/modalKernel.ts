@@ -4,7 +4,7 @@
  */
 import { ISOTROPIC_DRAG } from "../constants";
 import { MODAL_KERNEL } from "./modalKernel.wasm";
-import { coupledOf, dragInputs, type ModalTensors } from "./modalTensors";
+import { coupledOf, dragInputs, forceTerms, type ModalTensors, meanGust } from "./modalTensors";
 
 const PAGE_BYTES = 65_536;
 /** Floats per SIMD vector; rows are padded to a multiple. */
@@ -12,14 +12,14 @@ const SIMD_LANES = 4;
 /** Data starts here, behind the constants that the compiler placed in the memory (tables of the power function). */
 const FIRST_BYTE = 4096;
 
-type DragTensor = "dragPoint" | "dragIn" | "dragOut" | "dragRest";
+type DragTensor = "dragPoint" | "dragIn" | "dragOut" | "dragRest" | "dragPlace";
 type Tensor =
-  | ("stepping" | "pull" | "sway" | "force" | "shown" | "posePlain" | "poseTerms" | "limits")
+  | ("stepping" | "pull" | "sway" | "force" | "meanGust" | "shown" | "posePlain" | "poseTerms" | "limits")
   | DragTensor;
 type State = "e" | "v" | "now" | "before" | "extrapolationRatio";
-type Place = Tensor | State | "terms" | "ahead" | "total" | "dragForce";
+type Place = Tensor | State | "terms" | "ahead" | "total" | "air" | "dragForce";
 type Setting = "halfStep_s" | "exponent" | "coupled" | "ownRow" | "furtherRow" | "dragPoints" | "dragInputs";
-type Step = (tree: number, px: number, pz: number) => void;
+type Step = (tree: number, px: number, pz: number, places: number) => void;
 type Exports = Record<Place | Setting | "constantsEnd", WebAssembly.Global> & { step: Step };
 
 const filled = (count: number) => SIMD_LANES * Math.ceil(count / SIMD_LANES);
@@ -56,11 +56,13 @@ function compile(): WebAssembly.Module | null {
 
 /** The table's tensors in the kernel's layout. */
 function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor, Float32Array> {
+  const placeLoad = transposed(modal.placeLoad, (2 * modal.place.length) / 3);
   return {
     stepping: inFullRows(transposed(modal.step, 6), d),
     pull: inFullRows(transposed(modal.load, 2), d),
     sway: inFullRows(modal.sway, d),
-    force: inFullRows(modal.force, d),
+    force: Float32Array.from([...inFullRows(modal.force, d), ...inFullRows(placeLoad, d)]),
+    meanGust: Float32Array.from(meanGust(modal)),
     shown: inFullRows(modal.shown, d),
     posePlain: inFullRows(modal.pose.subarray(0, d * further), further),
     poseTerms: inFullRows(modal.pose.subarray(d * further), further),
@@ -70,7 +72,7 @@ function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor
 }
 
 /** The tensors of the drag, points padded to whole vectors. */
-function dragTensors({ dragPoint, dragShape, dragRest }: ModalTensors, d: number) {
+function dragTensors({ dragPoint, dragShape, dragRest, dragPlace, place }: ModalTensors, d: number) {
   const m = dragPoint.length / 2;
   const full = filled(m);
   const inputs = dragInputs(d);
@@ -90,7 +92,13 @@ function dragTensors({ dragPoint, dragShape, dragRest }: ModalTensors, d: number
       for (let k = 0; k < inputs; k++) into[(k * 3 + side) * full + j] = row[k];
     }
   }
-  return { dragPoint: point, dragIn: into, dragOut: out, dragRest: inFullRows(dragRest, d) };
+  return {
+    dragPoint: point,
+    dragIn: into,
+    dragOut: out,
+    dragRest: inFullRows(dragRest, d),
+    dragPlace: inFullRows(transposed(dragPlace, place.length / 3), m),
+  };
 }
 
 function lengths(given: Record<Tensor, Float32Array>): Record<Tensor, number> {
@@ -128,7 +136,12 @@ export class ModalKernel {
   readonly before: Float32Array;
   /** [count] */
   readonly extrapolationRatio: Float32Array;
-  /** Advances a tree by one table step under a pressure (Pa) in its own frame. */
+  /** [2, G] gusts at the places of the tree that steps next, Pa. */
+  readonly local: Float32Array;
+  /**
+   * Advances a tree by one table step under a pressure (Pa) in its own frame and the gusts in `local`; `places`: G, or 0 if
+   * it has none.
+   */
   readonly step: Step;
 
   private constructor(
@@ -142,11 +155,13 @@ export class ModalKernel {
     const own = filled(d);
     const row = own + filled(modes - d);
     const given = tensors(modal, d, modes - d);
+    const coupled = coupledOf(modal.limits.length);
     const { kernel, views } = settle(module, {
       ...lengths(given),
-      terms: modal.force.length / d,
+      terms: given.force.length / own,
       ahead: own,
       total: own,
+      air: (2 / 3) * given.dragPoint.length,
       dragForce: given.dragPoint.length,
       e: count * own,
       v: count * own,
@@ -157,7 +172,7 @@ export class ModalKernel {
     for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
     kernel.halfStep_s.value = dt_s / 2;
     kernel.exponent.value = modal.streamlinedExponent;
-    kernel.coupled.value = coupledOf(modal.limits.length);
+    kernel.coupled.value = coupled;
     kernel.dragPoints.value = given.dragPoint.length / 3;
     kernel.dragInputs.value = dragInputs(d);
     kernel.ownRow.value = 4 * own;
@@ -169,6 +184,7 @@ export class ModalKernel {
       before: this.before,
       extrapolationRatio: this.extrapolationRatio,
     } = views);
+    this.local = views.terms.subarray(forceTerms(coupled));
     this.ownRow = own;
     this.step = kernel.step;
   }

@@ -1,7 +1,7 @@
 // Tensors of the modal reduced-order model and their numbers of rows.
 import { FEWEST_DRAG_INPUTS } from "../constants";
 
-/** d dynamic coordinates (oscillators), c of them coupled, r displayed modes. */
+/** d dynamic coordinates (oscillators), c of them coupled, r displayed modes, m drag points, G places of the crown. */
 export interface ModalTensors {
   /** [d, 6] r00 − 1, r01, r10, r11 − 1, s0, s1 of each oscillator */
   readonly step: Float32Array;
@@ -23,6 +23,12 @@ export interface ModalTensors {
   readonly dragShape: Float32Array;
   /** [d] area of the motion within the points */
   readonly dragRest: Float32Array;
+  /** [m, G] gust at each drag point per unit of those at the places */
+  readonly dragPlace: Float32Array;
+  /** [G, 3] places whose gusts drive the model, m, tree frame */
+  readonly place: Float32Array;
+  /** [d, 2, G] modal force per Pa along x and z of the gust at each place */
+  readonly placeLoad: Float32Array;
   /** Power of the wind speed with which the pressure grows above 5 m/s */
   readonly streamlinedExponent: number;
 }
@@ -30,6 +36,18 @@ export interface ModalTensors {
 /** Number of oscillators whose speed determines the velocity of the drag points: the first half, but not too few. */
 export function dragInputs(oscillators: number): number {
   return Math.min(oscillators, Math.max(FEWEST_DRAG_INPUTS, Math.floor(oscillators / 2)));
+}
+
+/** [G] weights of the places in the mean gust over the crown: that of the drag points by sheltered area. */
+export function meanGust({ dragPoint, dragPlace, place }: ModalTensors): Float64Array {
+  const mean = new Float64Array(place.length / 3);
+  let whole = 0;
+  for (let j = 0; 2 * j < dragPoint.length; j++) {
+    const sheltered = dragPoint[2 * j] * dragPoint[2 * j + 1];
+    whole += sheltered;
+    for (let g = 0; g < mean.length; g++) mean[g] += sheltered * dragPlace[j * mean.length + g];
+  }
+  return whole > 0 ? mean.map((sum) => sum / whole) : mean;
 }
 
 /** Number of coupled coordinates, from the length of `limits`. */

@@ -6,7 +6,7 @@
 
 import { EXPONENTIAL_SQUARINGS, EXPONENTIAL_TERMS, SEARCH_ANY_AIR, SEARCH_SNAP } from "../constants";
 import { lastRecords, poses, type Records } from "../table/records";
-import { fittedModes, type Table } from "../table/table";
+import type { Table } from "../table/table";
 import { TreeInstances } from "./treeInstances";
 
 const SQUARING_DIVISOR = 2 ** EXPONENTIAL_SQUARINGS;
@@ -143,7 +143,7 @@ export class PaperForest extends TreeInstances {
     count: number,
     options: LookupOptions = {},
   ) {
-    super(count, fittedModes(table), table.metadata.dt_s, table.metadata.modes);
+    super(count, table.metadata.modes, table.metadata.dt_s);
     this.scale = table.modeScale;
     this.search = new TableSearch(records);
     this.poses = poses(records);
@@ -211,7 +211,7 @@ export class PaperForest extends TreeInstances {
     const { now, before, q, scale, r } = this;
     for (let k = 0; k < r; k++) {
       const at = i * r + k;
-      q[i * this.width + k] = (before[at] + (now[at] - before[at]) * part) * scale[k];
+      q[at] = (before[at] + (now[at] - before[at]) * part) * scale[k];
     }
   }
 }

@@ -1,5 +1,5 @@
-/** The trees of one table, stepped by the wind at each of them: the modal or the paper's method, and the gust layer. */
-import type { GustLayer } from "../modal/gustLayer";
+/** The trees of one table, stepped by the wind at each of them: the modal or the paper's method. */
+import type { PlaceGusts } from "../modal/placeGusts";
 import type { WindField } from "../wind/field";
 import type { Moment } from "../wind/transition";
 import type { GroupWind } from "./groupWind";
@@ -23,26 +23,23 @@ export function stepsOf(dt_s: number): { steps: number; step_s: number } {
 }
 
 export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
-  /** [count] share of the gusts within the crown: fades out with the distance from the viewer. */
-  private readonly nearness: Float32Array;
-
-  /** `gusts`: only with the modal method. */
+  /** `gusts`: within the crowns, only with the modal method. */
   constructor(
     readonly lookup: Lookup,
-    readonly gusts: GustLayer | null,
+    readonly gusts: PlaceGusts | null,
     readonly wind: GroupWind,
     readonly modes: number,
   ) {
     lookup.setTrees(wind.x, wind.z, wind.column(2), wind.column(3));
-    this.nearness = new Float32Array(lookup.count).fill(1);
   }
 
   /** Trees far from the viewer (m, world) do without the gusts within their crowns. */
   see(x: number, z: number): void {
-    const { wind, nearness } = this;
-    for (let tree = 0; tree < nearness.length; tree++) {
+    const { wind, gusts } = this;
+    if (!gusts) return;
+    for (let tree = 0; tree < wind.count; tree++) {
       const far_m = Math.hypot(wind.x[tree] - x, wind.z[tree] - z);
-      nearness[tree] = Math.min(1, Math.max(0, (GONE_M - far_m) / (GONE_M - FULL_M)));
+      gusts.share[tree] = Math.min(1, Math.max(0, (GONE_M - far_m) / (GONE_M - FULL_M)));
     }
   }
 
@@ -52,10 +49,9 @@ export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
   }
 
   step(dt_s: number, moment: Moment): void {
-    const { lookup, gusts, wind, nearness } = this;
-    const { pressureX, pressureZ } = wind;
-    gusts?.advance(moment, lookup.stepping(dt_s), pressureX, pressureZ, nearness, lookup.q);
-    lookup.advance(dt_s, pressureX, pressureZ);
+    const { lookup, gusts, wind } = this;
+    gusts?.set(moment);
+    lookup.advance(dt_s, wind.pressureX, wind.pressureZ, gusts);
   }
 
   /** Writes `poseStride(modes)` floats per tree: the modes, then the wind speed. */

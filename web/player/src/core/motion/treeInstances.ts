@@ -3,28 +3,14 @@
  * allocated per frame.
  */
 import { MAX_STEPS_PER_ADVANCE } from "../constants";
+import type { PlaceGusts } from "../modal/placeGusts";
+import type { CrownInstances } from "../wind/crown";
 
 export type Numbers = Float64Array | Float32Array;
 
-/** Where trees stand and how far they step next; the arrays of the instances, not copies. */
-export interface Stepping {
-  readonly x: Numbers;
-  readonly z: Numbers;
-  /** [count, 2] cosine and sine of the yaw. */
-  readonly turn: Numbers;
-  readonly size: Numbers;
-  /** Fraction of a table step since the last one. */
-  readonly phase: Numbers;
-  /** Table steps of the next frame, for a tree of scale 1. */
-  readonly rate: number;
-}
-
-/**
- * Common part of both methods. They determine the first `r` of the `width` modes of a pose, the gust layer the rest.
- * `room`: pose buffers to use instead of allocating them.
- */
+/** Common part of both methods; r modes. `room`: pose buffers to use instead of allocating them. */
 export abstract class TreeInstances {
-  /** [count, width] displayed pose, interpolated between the last two steps. */
+  /** [count, r] displayed pose, interpolated between the last two steps. */
   readonly q: Float32Array;
   /** Position of each tree (m), for the wind. */
   readonly x: Float32Array;
@@ -35,6 +21,10 @@ export abstract class TreeInstances {
   private readonly phase: Float64Array;
   private readonly turn: Float32Array;
   protected readonly size: Float32Array;
+  /** Where the trees stand; the arrays of the instances, not copies. */
+  protected readonly standing: CrownInstances;
+  /** The gusts within the crowns in the present frame. */
+  protected gusts: PlaceGusts | null = null;
   /** The pressure in the frame of the last tree asked for. */
   protected readonly localPressure = { px: 0, pz: 0 };
 
@@ -42,10 +32,9 @@ export abstract class TreeInstances {
     readonly count: number,
     protected readonly r: number,
     protected readonly dt: number,
-    protected readonly width: number,
     room: { now: Numbers; before: Numbers } | null = null,
   ) {
-    this.q = new Float32Array(count * width);
+    this.q = new Float32Array(count * r);
     this.x = new Float32Array(count);
     this.z = new Float32Array(count);
     this.now = room?.now ?? new Float64Array(count * r);
@@ -54,6 +43,7 @@ export abstract class TreeInstances {
     this.turn = new Float32Array(count * 2);
     for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
     this.size = new Float32Array(count).fill(1);
+    this.standing = { x: this.x, z: this.z, turn: this.turn, size: this.size };
   }
 
   /** Advances tree i by one table step under a pressure (Pa) in its own frame. */
@@ -78,12 +68,6 @@ export abstract class TreeInstances {
     }
   }
 
-  /** How far the trees step in the next frame of dt seconds. */
-  stepping(dt_s: number): Stepping {
-    const { x, z, turn, size, phase } = this;
-    return { x, z, turn, size, phase, rate: dt_s / this.dt };
-  }
-
   /** Copies the state of tree `row` of another forest of this table to tree i. */
   protected takeOver(i: number, from: TreeInstances, row: number): void {
     this.phase[i] = from.phase[row];
@@ -100,8 +84,17 @@ export abstract class TreeInstances {
     this.localPressure.pz = s * x + c * z;
   }
 
-  /** Advances by dt seconds under world pressures (Pa). A tree s times as large sways s times slower. */
-  advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
+  /**
+   * Advances by dt seconds under world pressures (Pa). A tree s times as large sways s times slower. Trees of the modal
+   * method also feel `gusts` within their crowns.
+   */
+  advance(
+    dtS: number,
+    pressureX: ArrayLike<number>,
+    pressureZ: ArrayLike<number>,
+    gusts: PlaceGusts | null = null,
+  ): void {
+    this.gusts = gusts;
     const rate = dtS / this.dt;
     for (let i = 0; i < this.count; i++) {
       this.rotatePressure(i, pressureX[i], pressureZ[i]);
@@ -115,5 +108,6 @@ export abstract class TreeInstances {
       this.phase[i] = phase;
       this.show(i, phase);
     }
+    this.gusts = null;
   }
 }

@@ -4,7 +4,7 @@
  */
 import { BINDING_CORNERS, PULL_FORCE_SHARE, PULL_MOST_REACH, WHOLE_WEIGHT } from "../constants";
 import { jointRow } from "../table/jointRow";
-import { fittedModes, type Table } from "../table/table";
+import type { Table } from "../table/table";
 import type { Compliance } from "./compliance";
 import { displacementOfRow, displacementOfRows, unitResponses } from "./factor";
 
@@ -82,9 +82,9 @@ function oscillatorsOf(table: Table, point: Float64Array): Float64Array {
 /** [r, 3]: the modes' coordinates that follow the oscillators [d, 3] linearly. */
 function poseOf(table: Table, oscillators: Float64Array): Float64Array {
   const { shown, pose } = table.modal;
-  const r = fittedModes(table);
+  const r = table.metadata.modes;
   const d = shown.length;
-  const out = new Float64Array(3 * table.metadata.modes); // the gust layer does not take part
+  const out = new Float64Array(3 * r);
   for (let axis = 0; axis < 3; axis++) {
     for (let k = 0; k < d; k++) out[3 * k + axis] = shown[k] * oscillators[3 * k + axis];
     for (let k = d; k < r; k++) {

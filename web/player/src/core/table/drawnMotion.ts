@@ -22,9 +22,8 @@ export function drawnMotion(table: Table): DrawnMotion {
   const rest_m = Float32Array.from(table.nodeRest);
   const parent = Uint16Array.from(table.nodeParent);
   const nodes = table.nodeRest.length / 3;
-  const all = Uint16Array.from({ length: modes }, (_, k) => k);
   const of = Uint16Array.from({ length: nodes }, (_, node) => node);
-  const full = { nodes, quads: stride / 4, columns: all, of, basis, turn, rest_m, parent };
+  const full = { nodes, quads: stride / 4, modes, of, basis, turn, rest_m, parent };
   return {
     modes,
     stride,
@@ -50,7 +49,6 @@ export function drawnBuffers(motion: DrawnMotion): ArrayBuffer[] {
   const own = [basis, turn, rest_m, parent, jointNodes, jointShare, jointRest_m, vertexJoint];
   const ofLevels = levels.flatMap((level) => [
     level.of,
-    level.columns,
     level.basis,
     level.turn,
     level.rest_m,

@@ -5,8 +5,8 @@ export interface NodeLevel {
   readonly nodes: number;
   /** Texels per tree: the modes of this level, then the local wind speed in m/s, padding. */
   readonly quads: number;
-  /** Modes of the table that this level keeps. */
-  readonly columns: Uint16Array<ArrayBuffer>;
+  /** This level keeps the first modes of the table, which move it most. */
+  readonly modes: number;
   /** Node of this level for each node of the table. */
   readonly of: Uint16Array<ArrayBuffer>;
   /** [nodes, 3, 4 quads]: displacement in m per unit of each coordinate, zero beyond the modes. */

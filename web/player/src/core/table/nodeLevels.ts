@@ -1,17 +1,14 @@
 /** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
 import { TURN_ARM } from "../constants";
 import type { NodeLevel } from "./drawnTable";
-import { fittedModes, type Table } from "./table";
+import type { Table } from "./table";
 
-/**
- * Number of nodes, of texels of four modes (the last holds the wind), and of modes of the gust layer among them, for
- * each level after the full one.
- */
+/** Number of nodes, and of texels of four modes (the last holds the wind), for each level after the full one. */
 const COARSER_LEVELS = [
-  { nodes: 256, quads: 6, gusts: 8 },
-  { nodes: 112, quads: 4, gusts: 4 },
-  { nodes: 48, quads: 2, gusts: 2 },
-  { nodes: 24, quads: 2, gusts: 2 },
+  { nodes: 256, quads: 6 },
+  { nodes: 112, quads: 4 },
+  { nodes: 48, quads: 2 },
+  { nodes: 24, quads: 2 },
 ] as const;
 
 /** Rows of displacement and rotation, [nodes, 6, modes], in proportion to distances in space. */
@@ -68,14 +65,14 @@ function sharesOf({ vertexNode }: Table, group: Uint16Array, groups: number): Fl
   return vertices.map((count, node) => count / weight[group[node]]);
 }
 
-/** Means of rows [nodes, 3, modes] in each group, [groups, 3, stride], of some columns; the rest is zero. */
+/** Means of rows [nodes, 3, modes] in each group, [groups, 3, stride], of the first `kept` modes; the rest is zero. */
 function meanRows(
   rows: Float32Array,
   modes: number,
   group: Uint16Array,
   share: Float64Array,
   groups: number,
-  columns: Uint16Array,
+  kept: number,
   stride: number,
 ): Float32Array<ArrayBuffer> {
   const mean = new Float32Array(groups * 3 * stride);
@@ -83,7 +80,7 @@ function meanRows(
     for (let axis = 0; axis < 3; axis++) {
       const from = (node * 3 + axis) * modes;
       const to = (group[node] * 3 + axis) * stride;
-      for (const [k, column] of columns.entries()) mean[to + k] += share[node] * rows[from + column];
+      for (let k = 0; k < kept; k++) mean[to + k] += share[node] * rows[from + k];
     }
   }
   return mean;
@@ -103,31 +100,22 @@ export function coarserNodes(table: Table): NodeLevel[] {
   const { modes: all } = table.metadata;
   const numbers = COARSER_LEVELS.map(({ nodes }) => nodes);
   const grouped = groupRows(weighed(table), 6 * all, numbers);
-  return COARSER_LEVELS.map(({ quads: most, gusts }, level) => {
+  return COARSER_LEVELS.map(({ quads: most }, level) => {
     const of = grouped[level].slice();
     const nodes = of.reduce((a, b) => Math.max(a, b), 0) + 1;
     const quads = Math.min(most, Math.ceil((all + 1) / 4));
-    const columns = columnsOf(table, 4 * quads - 1, gusts);
+    const kept = Math.min(all, 4 * quads - 1);
     const share = sharesOf(table, of, nodes);
-    const mean = (rows: Float32Array) => meanRows(rows, all, of, share, nodes, columns, 4 * quads);
+    const mean = (rows: Float32Array) => meanRows(rows, all, of, share, nodes, kept, 4 * quads);
     return {
       nodes,
       quads,
-      columns,
+      modes: kept,
       of,
       basis: mean(table.nodeBasis),
       turn: mean(table.nodeTurn),
-      rest_m: meanRows(table.nodeRest, 1, of, share, nodes, Uint16Array.of(0), 1),
+      rest_m: meanRows(table.nodeRest, 1, of, share, nodes, 1, 1),
       parent: groupParents(table.nodeParent, of, nodes),
     };
   });
-}
-
-/** The modes of a level: the first fitted ones, and the first of the gust layer. Both begin with the largest. */
-function columnsOf(table: Table, most: number, gusts: number): Uint16Array<ArrayBuffer> {
-  const all = table.metadata.modes;
-  const fitted = fittedModes(table);
-  const layered = Math.min(all - fitted, Math.max(gusts, most - fitted));
-  const first = Math.min(fitted, most - layered);
-  return Uint16Array.from({ length: first + layered }, (_, k) => (k < first ? k : fitted + k - first));
 }

@@ -5,17 +5,15 @@
 
 import {
   MAX_DRAG_POINTS,
-  MAX_GUST_OSCILLATORS,
-  MAX_GUST_PLACES,
   MAX_MODES,
   MAX_OSCILLATORS,
+  MAX_PLACES,
   RECORD_TENSORS,
   TABLE_FORMAT,
   TABLE_RANGES,
   TABLE_TENSORS,
   TABLE_VERSION,
 } from "../constants";
-import type { GustTensors } from "../modal/gustTensors";
 import { contracts, coupledOf, forceTerms, type ModalTensors, poseTerms } from "../modal/modalTensors";
 import {
   brief,
@@ -89,14 +87,9 @@ export interface Table {
   /** the nearer node of each render vertex */
   readonly vertexNode: Uint16Array;
   readonly modal: ModalTensors;
-  readonly gusts: GustTensors;
   /** Records of the paper's state search, if the file holds them. */
   readonly paper: Records | null;
 }
-
-/** Modes of the modal model and of the paper's records; the last modes are those of the gust layer. */
-export const fittedModes = ({ metadata, gusts }: Pick<Table, "metadata" | "gusts">): number =>
-  metadata.modes - gusts.drag.length;
 
 /** Decodes a table file. Throws TableError that names the fault. */
 export const decodeTable = (file: ArrayBuffer | Uint8Array): Table => decode(file, readRecords);
@@ -120,8 +113,8 @@ function decode(
   checkFilled(container);
   checkTableShapes(tensors, metadata);
   checkFinite(tensors);
-  const fitted = metadata.modes - gustModes(tensors);
-  const table = assemble(tensors, metadata, paper === null ? null : recordsOf(paper, tensors, fitted));
+  const records = paper === null ? null : recordsOf(paper, tensors, metadata.modes);
+  const table = assemble(tensors, metadata, records);
   checkNumbers(table);
   return table;
 }
@@ -154,13 +147,10 @@ function assemble(tensors: Tensors, metadata: TableMetadata, paper: Records | nu
       dragPoint: values("modal.drag_point"),
       dragShape: values("modal.drag_shape"),
       dragRest: values("modal.drag_rest"),
+      dragPlace: values("modal.drag_place"),
+      place: values("modal.place"),
+      placeLoad: values("modal.place_load"),
       streamlinedExponent: metadata.streamlined_exponent,
-    },
-    gusts: {
-      place: values("gusts.place"),
-      step: values("gusts.step"),
-      load: values("gusts.load"),
-      drag: values("gusts.drag"),
     },
     paper,
   };
@@ -181,33 +171,12 @@ function checkMetadata(metadata: Json): TableMetadata {
   return metadata as unknown as TableMetadata;
 }
 
-/** Number of modes of the gust layer. */
-const gustModes = (tensors: Tensors): number => shapeOf(tensors, "gusts.drag")[0];
-
-function checkGusts(tensors: Tensors): void {
-  const places = shapeOf(tensors, "gusts.place")[0];
-  const oscillators = gustModes(tensors);
-  need(
-    oscillators <= MAX_GUST_OSCILLATORS,
-    `tensor gusts.step: expected at most ${MAX_GUST_OSCILLATORS} rows`,
-  );
-  need(places <= MAX_GUST_PLACES, `tensor gusts.place: expected at most ${MAX_GUST_PLACES} rows`);
-  checkShapes(tensors, {
-    "gusts.place": [places, 3],
-    "gusts.step": [oscillators, 6],
-    "gusts.load": [oscillators, 2 * places],
-    "gusts.drag": [oscillators],
-  });
-}
-
 function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata): void {
-  checkGusts(tensors);
-  const r = modes - gustModes(tensors);
   const n = shapeOf(tensors, "nodes.rest_m")[0];
   const j = shapeOf(tensors, "joints.share")[0];
   const vertices = primitives.reduce((sum, primitive) => sum + Math.trunc(primitive.vertices), 0);
   const d = shapeOf(tensors, "modal.step")[0];
-  const most = Math.min(MAX_OSCILLATORS, r);
+  const most = Math.min(MAX_OSCILLATORS, modes);
   need(d >= 2 && d <= most, `tensor modal.step: expected 2..${most} rows`);
   const c = coupledOf(shapeOf(tensors, "modal.limits")[0] ?? 0);
   need(
@@ -216,6 +185,8 @@ function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata
   );
   const m = shapeOf(tensors, "modal.drag_point")[0];
   need(m <= MAX_DRAG_POINTS, `tensor modal.drag_point: expected at most ${MAX_DRAG_POINTS} rows`);
+  const places = shapeOf(tensors, "modal.place")[0];
+  need(places <= MAX_PLACES, `tensor modal.place: expected at most ${MAX_PLACES} rows`);
   checkShapes(tensors, {
     "modes.scale": [modes],
     "nodes.basis": [n, 3, modes],
@@ -231,16 +202,19 @@ function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata
     "modal.sway": [2, d],
     "modal.force": [forceTerms(c), d],
     "modal.shown": [d],
-    "modal.pose": [poseTerms(d, c), r - d],
+    "modal.pose": [poseTerms(d, c), modes - d],
     "modal.limits": [3 + 2 * c],
     "modal.drag_point": [m, 2],
     "modal.drag_shape": [3, m, d],
     "modal.drag_rest": [d],
+    "modal.drag_place": [m, places],
+    "modal.place": [places, 3],
+    "modal.place_load": [d, 2, places],
   });
 }
 
 function checkNumbers(table: Table): void {
-  const { modeScale, modal, gusts } = table;
+  const { modeScale, modal } = table;
   need(
     modeScale.every((s) => s > 0),
     "tensor modes.scale: not positive",
@@ -259,11 +233,6 @@ function checkNumbers(table: Table): void {
     "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1",
   );
   need(contracts(modal.step), "tensor modal.step: an oscillator is not stable");
-  need(contracts(gusts.step), "tensor gusts.step: an oscillator is not stable");
-  need(
-    gusts.drag.every((damping) => damping >= 0),
-    "tensor gusts.drag: negative",
-  );
 }
 
 function checkJoints({ nodeRest, nodeParent, jointNodes, jointShare, vertexJoint }: Table): void {

@@ -71,7 +71,8 @@ export class WindField {
 
   /**
    * Writes the pressure (Pa, world x and z) at each position; exactly 0 in still air.
-   * `exponent`: that of the trees (`dynamicPressure`). `factor`: wind speed at the height of each position relative to the reference height (`heightFactor`).
+   * `exponent`: that of the trees (`dynamicPressure`). `factor`: wind speed at the height of each position relative to
+   * the reference height (`heightFactor`).
    */
   pressure(
     x: Places,

@@ -99,7 +99,7 @@ export class LevelPass {
       defines: {
         QUADS: this.level.quads,
         FLAT_SHIFT,
-        WIND_CHANNEL: this.level.columns.length % 4,
+        WIND_CHANNEL: this.level.modes % 4,
         ...(this.period > 1 && { BLEND: 1 }),
       },
       uniforms,
@@ -133,14 +133,14 @@ export class LevelPass {
 
   /** Copies the modes of the level and the wind of each drawn tree. */
   private gather({ poses, stride, wind, order, start }: PoseRows): void {
-    const { columns, quads } = this.level;
+    const { modes, quads } = this.level;
     const { data, texture } = this.poses;
     const first = start[this.index];
     let to = 0;
     for (let slot = first; slot < first + this.rows.trees; slot++, to += 4 * quads) {
       const from = order[slot] * stride;
-      for (let k = 0; k < columns.length; k++) data[to + k] = poses[from + columns[k]];
-      data[to + columns.length] = poses[from + wind];
+      for (let k = 0; k < modes; k++) data[to + k] = poses[from + k];
+      data[to + modes] = poses[from + wind];
     }
     uploadFirst(texture, this.rows.trees * quads);
     const { uniforms } = this;

@@ -2,7 +2,7 @@
 
 import { poseStride } from "../../core/motion/poseStride";
 import { jointRow } from "../../core/table/jointRow";
-import { fittedModes, type Table } from "../../core/table/table";
+import type { Table } from "../../core/table/table";
 
 /** A displayed group. */
 export interface ShownGroup {
@@ -57,8 +57,7 @@ const MOST_VERTICES = 1500;
 
 /**
  * [new modes, old modes]: maps a pose to the new table's coordinates so that the render vertices move as before (least
- * squares). The modes of the gust layer take only what the fitted ones leave, because the trees start at the pose of those.
- * null if the tables belong to different meshes.
+ * squares). null if the tables belong to different meshes.
  */
 export function poseTransfer(from: Table, to: Table): Float64Array | null {
   if (from.vertexJoint.length !== to.vertexJoint.length) return null;
@@ -79,25 +78,7 @@ export function poseTransfer(from: Table, to: Table): Float64Array | null {
       }
     }
   }
-  const f = fittedModes(to);
-  const fitted = solve(block(normal, r, 0, f), right.slice(0, f * s), f, s);
-  const left = right.slice(f * s);
-  for (let i = f; i < r; i++)
-    for (let k = 0; k < f; k++)
-      for (let j = 0; j < s; j++) left[(i - f) * s + j] -= normal[i * r + k] * fitted[k * s + j];
-  const all = new Float64Array(r * s);
-  all.set(fitted);
-  all.set(solve(block(normal, r, f, r), left, r - f, s), f * s);
-  return all;
-}
-
-/** The block of a matrix [r, r] on its diagonal, from one row to another. */
-function block(matrix: Float64Array, r: number, from: number, to: number): Float64Array {
-  const size = to - from;
-  return Float64Array.from(
-    { length: size * size },
-    (_, at) => matrix[(from + Math.floor(at / size)) * r + from + (at % size)],
-  );
+  return solve(normal, right, r, s);
 }
 
 /** Solves N X = B by Cholesky. Only the lower half of N [r, r] is used; B [r, s] is overwritten; null modes give 0. */

@@ -1,7 +1,7 @@
 /** Poses computed from the tables in this worker. */
 
-import { GustLayer } from "../../core/modal/gustLayer";
 import { ModalForest } from "../../core/modal/modalForest";
+import { PlaceGusts } from "../../core/modal/placeGusts";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
 import type { Method } from "../../core/motion/method";
 import { PaperForest } from "../../core/motion/paperSearch";
@@ -60,7 +60,7 @@ export class LocalMotion implements MotionSource {
       const modal = lookup instanceof ModalForest;
       const peak_pa = modal ? table.modal.limits[2] : peak_pressure_pa;
       const wind = new GroupWind(placement, height_m, peak_pa, streamlined_exponent, !modal);
-      const gusts = modal ? new GustLayer(table, count) : null;
+      const gusts = modal ? new PlaceGusts(table.modal, count) : null;
       return { group, trees: new SteppedTrees(lookup, gusts, wind, modes) };
     });
   }
@@ -86,7 +86,7 @@ export class LocalMotion implements MotionSource {
   /** Takes over the state of trees that existed before with the same table and method. */
   adopt(before: LocalMotion): void {
     for (const { group, trees } of this.groups) {
-      const { lookup, gusts } = trees;
+      const { lookup } = trees;
       const old = before.groups.find(
         (other) => other.group.key === group.key && other.group.table === group.table,
       );
@@ -94,7 +94,6 @@ export class LocalMotion implements MotionSource {
       const rows = rowsBefore(old.group.ids, group.ids);
       if (lookup instanceof ModalForest && old.trees.lookup instanceof ModalForest) {
         lookup.adopt(old.trees.lookup, rows);
-        if (gusts && old.trees.gusts) gusts.adopt(old.trees.gusts, rows);
       } else if (lookup instanceof PaperForest && old.trees.lookup instanceof PaperForest) {
         lookup.adopt(old.trees.lookup, rows);
       }

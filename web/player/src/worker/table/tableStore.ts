@@ -2,7 +2,7 @@
 
 import { type Compliance, decodeCompliance } from "../../core/pull/compliance";
 import { type Records, recordsOf } from "../../core/table/records";
-import { decodeTable, fittedModes, type Table } from "../../core/table/table";
+import { decodeTable, type Table } from "../../core/table/table";
 
 async function fetchBytes(url: string): Promise<ArrayBuffer> {
   const response = await fetch(url);
@@ -37,7 +37,7 @@ export class TableStore {
 
   /** Fetches and decodes the records of a table that is already loaded. */
   async loadRecords(table: string, url: string): Promise<void> {
-    const modes = fittedModes(this.table(table));
+    const { modes } = this.table(table).metadata;
     this.records.set(table, recordsOf(await fetchBytes(url), { sha256: table, modes }));
   }
 
