@@ -16,7 +16,7 @@ from typing import Any
 from galewood.options import USUAL_TETS
 from galewood.pipeline.stages import BuiltinMesh, build_table, builtin_meshes
 from galewood.pipeline.tables import BuildOptions
-from galewood.table import Table, decode, encode, without_gusts
+from galewood.table import Table, decode, encode
 from galewood.util import write_atomically
 
 OnProgress = Callable[[float, str], None]
@@ -131,4 +131,4 @@ def built(plan: Plan, notes: Notes, mesh: BuiltinMesh, on_progress: OnProgress) 
         )
         write_atomically(path.with_suffix(".glb"), result.render_glb)
         write_atomically(path, result.whole_table())
-    return without_gusts(decode(path.read_bytes())), path, path.with_suffix(".glb")
+    return decode(path.read_bytes()), path, path.with_suffix(".glb")

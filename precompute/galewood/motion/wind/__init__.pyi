@@ -1,3 +1,4 @@
+from .at_trees import TreePressure as TreePressure
 from .crown import crown_carried as crown_carried
 from .crown import crown_field as crown_field
 from .crown import write_gusts as write_gusts

@@ -58,6 +58,7 @@ def describe(
             "table_settings": asdict(options.table),
             "seed": options.seed,
             "sampled_elements": options.sampled_elements,
+            "target_tets": options.target_tets,
         },
     }
 
