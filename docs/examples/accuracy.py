@@ -1,7 +1,7 @@
-"""Errors of the shipped tables, in gusts and in uniform winds: the table of docs/physics.md ("Accuracy of a table").
+"""Errors of the shipped tables in gusts and in uniform winds: the table of docs/physics.md.
 
-Run from the repository: ``python docs/examples/accuracy.py docs/physics.md data/cache build/accuracy``. The last
-folder keeps the report of each tree; a tree with a report is not evaluated again. Takes minutes for each tree.
+Run from the repository: ``python docs/examples/accuracy.py docs/physics.md data/cache build/accuracy``. The
+last folder keeps the report of each tree; one with a report is not evaluated again. Takes minutes per tree.
 """
 
 import json
@@ -16,7 +16,16 @@ from galewood.pipeline.stages import BuiltinMesh, builtin_meshes, unpacked
 
 BEGIN, END = "<!-- accuracy: written by docs/examples/accuracy.py -->", "<!-- end of accuracy -->"
 GUSTS = ("7 m/s", "18 m/s", "10 % sway", "20 % sway")
-HEAD = ("tree", "in gusts", "mean speed, m/s", "sway", "error, RMS", "error, largest", "branches", "uniform wind: largest")
+HEAD = (
+    "tree",
+    "in gusts",
+    "mean speed, m/s",
+    "sway",
+    "error, RMS",
+    "error, largest",
+    "branches",
+    "uniform wind: largest",
+)
 
 
 def report_of(mesh: BuiltinMesh, cache_dir: Path, kept: Path) -> dict[str, Any]:

@@ -47,7 +47,7 @@ class WindDrivenTrees:
 
     @property
     def most_pa(self) -> float:
-        """Strongest pressure of the table, Pa; stronger winds are compressed, by the paper's method clamped."""
+        """Strongest pressure of the table, Pa: stronger winds are compressed, or clamped (paper)."""
         return self._pressure.most_pa
 
     @property

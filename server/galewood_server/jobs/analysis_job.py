@@ -81,7 +81,7 @@ def pack(comparison: Comparison, table: Table) -> bytes:
 
 
 def summary(comparison: Comparison) -> dict[str, Any]:
-    """The maximum of each error over time, relative to the tree height: in gusts, then in the uniform wind."""
+    """The maximum of each error over time, relative to the height: in gusts, then in the uniform wind."""
     return {
         "reference_sway": float(comparison.sway.max()),
         "left_out": float(comparison.left_out.max()),

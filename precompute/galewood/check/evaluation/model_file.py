@@ -1,9 +1,9 @@
 """Finds the finite-element model that a table was built from, or builds it again.
 
 The table file does not contain it. It is in the cache of the build, under the hash in the table's provenance.
-Where the table came without that cache, such as one of the tables distributed with the software, the model is
-built again from the mesh and the tetrahedra. Rounding differs between builds, so that such a model has another
-hash; it is taken for the same if its first frequencies agree.
+Where a table came without that cache, such as those distributed with the software, the model is built again
+from the mesh and the tetrahedra. Rounding differs between builds, so that such a model has another hash; it
+is taken for the same if its first frequencies agree.
 """
 
 from __future__ import annotations
@@ -94,9 +94,7 @@ def check_model(model: FemModel, metadata: Metadata, name: str) -> None:
     if content_hash(model) == _model_sha256(metadata):
         return
     own, found = (np.array(hz) for hz in (metadata["frequencies_hz"], model.report["frequencies_hz"]))
-    hint = (
-        "Give the cache of its build (--cache-dir) or its model file (--model), or build the table again"
-    )
+    hint = "Give the cache of its build (--cache-dir) or its model file (--model), or build the table again"
     if len(own) != len(found) or len(model.elements) != metadata["provenance"]["tetrahedra"]:
         raise SourceError(f"{name} is not the model of this table: it has other tetrahedra. {hint}")
     worst = float(np.abs(found / own - 1.0).max())

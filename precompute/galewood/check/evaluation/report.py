@@ -15,14 +15,14 @@ from galewood.options import EvaluationOptions
 from galewood.table import decode
 
 DEFINITIONS = {
-    "gusts": "winds whose gusts differ within the crown, as the page plays them; the reference solution feels "
-    "them at each of its nodes",
+    "gusts": "winds whose gusts differ within the crown, as the page plays them; the reference solution "
+    "feels them at each of its nodes",
     "uniform": "winds that are the same over the whole crown",
     "rms_error_of_rms_sway": "root mean square of the nodes' distance from the reference solution, over that "
     "of their sway about the mean pose",
     "branches": "motion of the outer half of the crown relative to the trunk, over that of the reference "
     "solution (branches_m): 1 is right, 0 are branches that only follow the trunk",
-    "pressure_ratio": "strongest pressure of the wind over that of the table; above 1, the wind was compressed",
+    "pressure_ratio": "strongest pressure of the wind over that of the table; above 1, it was compressed",
     "max_error": "largest distance of a vertex from the reference solution, over the height",
     "rms_error": "root mean square of that distance over all vertices and frames, over the height",
     "max_error_of_sway": "largest error over the largest displacement of the run (reference_sway × height)",
@@ -60,16 +60,12 @@ def run_evaluation(
     on_progress(0.0, "Finding the model")
     own = model_file(decoded, drawn, cache_dir, model)
     middle = 0.6 if options.long else 1.0
-    in_gusts = evaluate_in_gusts(
-        decoded, own, options, references, share(on_progress, 0.05, 0.4 * middle)
-    )
+    in_gusts = evaluate_in_gusts(decoded, own, options, references, share(on_progress, 0.05, 0.4 * middle))
     source = source_of(
         decoded, drawn, cache_dir, share(on_progress, 0.4 * middle, 0.5 * middle),
         model=own.model_path, workers=options.workers,
     )  # fmt: skip
-    uniform = evaluate_table(
-        decoded, source, options, references, share(on_progress, 0.5 * middle, middle)
-    )
+    uniform = evaluate_table(decoded, source, options, references, share(on_progress, 0.5 * middle, middle))
     found: dict[str, Any] = {
         "species": decoded.metadata.get("species"),
         "height_m": decoded.metadata["height_m"],

@@ -72,8 +72,8 @@ def source_of(
 ) -> Source:
     """Recover the source of a table from its mesh and the cache of its build.
 
-    ``model`` is the model file if the cache lacks it; without both it is built again. Raises SourceError if something is missing or does not
-    match the table, and MeshError for an unreadable mesh.
+    ``model`` is the model file if the cache lacks it; without both it is built again. Raises SourceError if
+    something is missing or does not match the table, and MeshError for an unreadable mesh.
     """
     on_progress(0.0, "Finding the model")
     own = model_file(table, mesh, cache_dir, model)

@@ -46,7 +46,7 @@ class Uniform:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Coordinates of all motions, the pressure at the tree, and their errors; "paper" only with its records."""
+    """Coordinates of all motions, pressure at the tree, and errors; "paper" only with its records."""
 
     pressure_pa: Floats  # (frames, 2) in the tree's own frame
     q: dict[str, Floats]  # fem, modal, paper: (frames, r)
@@ -109,7 +109,7 @@ def pressures_at(
 
 
 class _Comparing:
-    """Compares motions of a table's nodes with those of its model; ``nodes`` (n, N) are their weights on it."""
+    """Compares motions of a table's nodes, whose weights on its model are ``nodes`` (n, N)."""
 
     def __init__(self, table: Table, model: FemModel, nodes: scipy.sparse.csr_matrix) -> None:
         self._table, self._model, self._nodes = table, model, nodes
@@ -129,7 +129,9 @@ class _Comparing:
             track[frame] = self._nodes @ simulator.u[:vertices]
         return track
 
-    def in_uniform_wind(self, pressure_pa: Floats, methods: Sequence[str], on_progress: OnProgress) -> Uniform:
+    def in_uniform_wind(
+        self, pressure_pa: Floats, methods: Sequence[str], on_progress: OnProgress
+    ) -> Uniform:
         """Sway and errors under one pressure (frames, 2), Pa, for the whole crown."""
         reference = self.simulate(list(pressure_pa), on_progress)
         table, makes = without_gusts(self._table), methods_of(self._table)

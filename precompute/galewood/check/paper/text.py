@@ -22,8 +22,8 @@ Rows = Iterable[Sequence[str]]
 
 def write_text(figures: dict[str, Any], plan: Plan, out: Path) -> None:
     """Write the page to ``out``; it shows the pictures in the folder of the same name beside it."""
-    parts = (_head, _gusts, _winds, _gestures, _unseen, _elements, _directions, _forests, _memory, _search, _beyond,
-             _short, _unchecked)  # fmt: skip
+    parts = (_head, _gusts, _winds, _gestures, _unseen, _elements, _directions, _forests, _memory, _search,
+             _beyond, _short, _unchecked)  # fmt: skip
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text("\n\n".join(part(figures, out.stem) for part in parts) + "\n")
 
@@ -91,10 +91,10 @@ def _gusts(figures: dict[str, Any], folder: str) -> str:
 The page and every forest play gusts that differ within a crown ([0020](design/0020-gusts.md)); the paper has
 none. The reference solution feels the same gusts at each of its nodes. Winds of the preset "Autumn gusts",
 {plan["frames"]} frames, seed {plan["seed"]}, two of them scaled to a sway. *Sway* and *largest* error: of any
-vertex, in per cent of the height. *RMS of sway*: root mean square of the error of all nodes over that of their
-sway about the mean pose, in per cent. *Branches*: motion of the outer half of the crown relative to the trunk,
-over that of the reference solution; 1 is right. All sections below this one have winds that are the same over
-the whole crown.
+vertex, in per cent of the height. *RMS of sway*: root mean square of the error of all nodes over that of
+their sway about the mean pose, in per cent. *Branches*: motion of the outer half of the crown relative to the
+trunk, over that of the reference solution; 1 is right. All sections below this one have winds that are the
+same over the whole crown.
 
 {table(head, rows)}"""
 

@@ -37,7 +37,7 @@ def evaluate(
 
     Args:
         table: A table built on this machine: its model is in the cache.
-        winds: Names and winds; by default gusts of two speeds and two sways, and uniform winds of seven kinds.
+        winds: Names and winds; by default gusts of two speeds and two sways, and seven uniform winds.
         duration_s: Length of each run.
         sway: Scale each wind until the reference sways by this share of the height; None: as they are.
         seed: Seed of the default winds, and of the place and yaw of the tree in gusts.
@@ -45,8 +45,8 @@ def evaluate(
         on_progress: Receives the fraction done and a message.
 
     Returns:
-        "gusts" and "uniform": per wind and method ("modal", "paper", and baselines) the ``max_error`` over the
-        height and others (spec/formats/evaluation.md).
+        "gusts" and "uniform": per wind and method ("modal", "paper", and baselines) the ``max_error`` over
+        the height and others (spec/formats/evaluation.md).
 
     Raises:
         SourceError: The table's model or mesh is not available.

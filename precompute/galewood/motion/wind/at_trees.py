@@ -13,12 +13,18 @@ from galewood.motion.wind.pressure import compress_pressure, dynamic_pressure, h
 class TreePressure:
     """The pressure at trees of one table at given places.
 
-    x_pa, z_pa (n,) Pa are those along world x and z at the last time; ratio (n,) is their strength before they
-    were compressed over the strongest one of the table, and stays 0 where they are limited.
+    x_pa, z_pa (n,) Pa are those along world x and z at the last time; ratio (n,) is their strength before
+    they were compressed over the strongest one of the table, and stays 0 where they are limited.
     """
 
     def __init__(
-        self, x_m: npt.ArrayLike, z_m: npt.ArrayLike, height_m: npt.ArrayLike, most_pa: float, *, limited: bool
+        self,
+        x_m: npt.ArrayLike,
+        z_m: npt.ArrayLike,
+        height_m: npt.ArrayLike,
+        most_pa: float,
+        *,
+        limited: bool,
     ) -> None:
         """Create it for trees at x, z (n,), m, of a height (n,), m.
 

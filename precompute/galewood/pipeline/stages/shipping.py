@@ -73,7 +73,7 @@ def ship(
 def unpacked(mesh: BuiltinMesh, folder: Path, cache_dir: Path) -> Path:
     """The table file of a shipped tree with its records, written to ``cache_dir`` with its tetrahedra.
 
-    ``folder`` has the meshes of the built-in trees. Raises FileNotFoundError if nothing is shipped for this mesh.
+    ``folder`` has the meshes of the built-in trees. Raises FileNotFoundError if nothing is shipped for it.
     """
     shipped = read_shipped(folder / SHIPPED_FOLDER, mesh.name, mesh.key)
     if shipped is None:

@@ -1,7 +1,7 @@
 """A wind at the nodes of a model: its pressure at the tree, and the gusts that differ within the crown.
 
-The finite elements take these pressures (``Simulator.step``), so that a reference solution is in the same wind
-as the trees of a forest (``galewood.player.WindDrivenTrees``).
+The finite elements take these pressures (``Simulator.step``), so that a reference solution is in the same
+wind as the trees of a forest (``galewood.player.WindDrivenTrees``).
 """
 
 from __future__ import annotations

@@ -50,8 +50,12 @@ class EvaluationRequest(BaseModel):
         le=0.5,
         description="Sway of the tree under each wind, as a fraction of its height.",
     )
-    speed_m_s: float | None = Field(default=None, ge=0.5, le=60, description="Peak speed of each uniform wind.")
-    frames: int = Field(default=EVALUATION_FRAMES, ge=60, le=1800, description="Frames per wind, 1/30 s each.")
+    speed_m_s: float | None = Field(
+        default=None, ge=0.5, le=60, description="Peak speed of each uniform wind."
+    )
+    frames: int = Field(
+        default=EVALUATION_FRAMES, ge=60, le=1800, description="Frames per wind, 1/30 s each."
+    )
     seed: EvaluationSeed = EVALUATION_SEED
 
     @model_validator(mode="after")
@@ -62,8 +66,8 @@ class EvaluationRequest(BaseModel):
 
 
 class EvaluationOut(AnalysisOut):
-    """An evaluation job: its settings and, once it is done, the main figures in gusts and in uniform winds (`result`)
-    and the URLs of the full report (`report`) and of the error plot (`plot`)."""
+    """An evaluation job: its settings and, once it is done, the main figures in gusts and in uniform winds
+    (`result`) and the URLs of the full report (`report`) and of the error plot (`plot`)."""
 
     report: str | None
     plot: str | None

@@ -1,4 +1,4 @@
-"""The wind at the nodes of a model is that of a forest: its pressure at the tree, and the gusts of its crown."""
+"""The wind at the nodes of a model is that of a forest: pressure at the tree, and gusts within its crown."""
 
 from __future__ import annotations
 
@@ -41,7 +41,9 @@ def nodes(seed: int = 710) -> Floats:
     return np.random.default_rng(seed).uniform([-4, 0, -4], [4, HEIGHT_M, 4], (12, 3))
 
 
-def winds(model: FemModel, wind: Wind, place: Place = PLACE, frames: int = 20, most_pa: float = np.inf) -> Floats:
+def winds(
+    model: FemModel, wind: Wind, place: Place = PLACE, frames: int = 20, most_pa: float = np.inf
+) -> Floats:
     """(frames, N + 1, 2) pressures at the nodes and, last, at the tree."""
     found = node_pressures(model, steady(wind), place, frames, height_m=HEIGHT_M, most_pa=most_pa)
     return np.array([np.vstack([one.node_pa, one.tree_pa]) for one in found])
@@ -62,7 +64,12 @@ def test_each_node_feels_the_gust_of_its_place_in_the_world() -> None:
             gust, still = np.zeros((1, 2)), (np.zeros(1), np.zeros(1), np.array([[1.0, 0.0]]), np.ones(1))
             moment = field.at(time_s)
             write_gusts(
-                crown_field(moment.crown.seed), crown_carried(moment), world_m, *still, (tree[0], tree[1]), gust
+                crown_field(moment.crown.seed),
+                crown_carried(moment),
+                world_m,
+                *still,
+                (tree[0], tree[1]),
+                gust,
             )
             along, across = gust[0]
             (px,), (pz,) = tree
@@ -86,7 +93,10 @@ def test_a_cosine_wind_and_still_air_are_the_same_at_all_nodes(wind: Wind) -> No
 
 
 def test_a_wind_beyond_the_range_is_compressed_as_a_whole() -> None:
-    model, storm = points(nodes()), Wind(mean_speed_m_s=30.0, gustiness=0.5, model="spectral", length_scale_m=24.0)
+    model, storm = (
+        points(nodes()),
+        Wind(mean_speed_m_s=30.0, gustiness=0.5, model="spectral", length_scale_m=24.0),
+    )
     factor = height_factor(np.array([HEIGHT_M]), storm.height_exponent, storm.reference_height_m)
     peak_pa = float(dynamic_pressure(45.0 * factor)[0])
     most_pa = 0.4 * peak_pa
@@ -102,7 +112,6 @@ def test_a_later_start_shifts_the_wind_and_a_transition_changes_it() -> None:
     assert np.allclose(winds(model, GUSTY)[5:], winds(model, GUSTY, later, frames=15))
     changing = WindState(PRESETS["breeze"], GUSTY, since_s=PLACE.start_s)
     found = [
-        one.tree_pa
-        for one in node_pressures(model, changing, PLACE, 200, height_m=HEIGHT_M, most_pa=np.inf)
+        one.tree_pa for one in node_pressures(model, changing, PLACE, 200, height_m=HEIGHT_M, most_pa=np.inf)
     ]
     assert np.linalg.norm(found[-1]) > np.linalg.norm(found[0])
