@@ -9,13 +9,22 @@ from galewood.util import Array, Floats, Ints
 
 
 def trunk_nodes(table: Table) -> Ints:
-    """The nodes of the trunk, from the lowest one up: the branch on which the lowest node lies."""
-    parent, height_m = table.node_parent.astype(np.int64), table.node_rest_m[:, 1]
-    start = np.arange(len(parent))
-    while not np.array_equal(parent[start], start):
-        start = parent[start]
-    trunk = np.flatnonzero(start == start[int(np.argmin(height_m))])
-    return trunk[np.argsort(height_m[trunk], kind="stable")]
+    """The nodes of the trunk from its foot up: where it forks, it continues with the limb of longest reach.
+
+    That is how the skeleton divides a tree into branches.
+    """
+    rest_m, parent = table.node_rest_m.astype(np.float64), table.node_parent.astype(np.int64)
+    root = int(np.flatnonzero(parent == np.arange(len(parent)))[0])
+    length_m = np.linalg.norm(rest_m - rest_m[parent], axis=1)
+    reach_m, after = np.zeros(len(parent)), np.full(len(parent), -1)
+    for node in range(len(parent) - 1, -1, -1):  # a parent is never a later node
+        before, far_m = parent[node], reach_m[node] + length_m[node]
+        if before != node and (after[before] < 0 or far_m > reach_m[before]):
+            reach_m[before], after[before] = far_m, node
+    trunk = [root]
+    while after[trunk[-1]] >= 0:
+        trunk.append(int(after[trunk[-1]]))
+    return np.array(trunk)
 
 
 def outer_nodes(table: Table) -> Ints:
@@ -46,7 +55,8 @@ def branch_motion_m(table: Table, track_m: Floats) -> float | None:
 
 def _at_heights(trunk_m: Floats, values: Array, points_m: Floats) -> Floats:
     """(T, m, 3) values (T, k, 3) at the trunk (k, 3), interpolated to the heights of points (m, 3)."""
-    height_m = trunk_m[:, 1]
+    order = np.argsort(trunk_m[:, 1], kind="stable")  # a trunk may hang over at its top
+    height_m, values = trunk_m[order, 1], values[:, order]
     if len(height_m) == 1:
         return np.repeat(values, len(points_m), axis=1)
     upper = np.clip(np.searchsorted(height_m, points_m[:, 1]), 1, len(height_m) - 1)

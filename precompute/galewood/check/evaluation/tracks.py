@@ -19,7 +19,7 @@ from galewood.check.evaluation.gusts import play_in_wind, strongest_pa
 from galewood.check.evaluation.measures import hausdorff
 from galewood.check.evaluation.model_file import tets_of
 from galewood.motion.wind import WindState
-from galewood.options import METHOD_NAMES
+from galewood.options import METHOD_NAMES, Method
 from galewood.solid.fem import FemModel, NodePressure, Place, Simulator, node_pressures
 from galewood.solid.skinning import points_embedding
 from galewood.table import Table, without_gusts
@@ -80,7 +80,7 @@ def comparison_tracks(
     compare = _Comparing(table, model, nodes)
     in_gusts = [pressure.node_pa for pressure in pressures]
     reference = compare.simulate(in_gusts, _part(on_progress, 0.0, 0.4))
-    methods = [name for name in METHOD_NAMES if name in methods_of(table)]
+    methods: list[Method] = [name for name in METHOD_NAMES if name in methods_of(table)]
     q = {name: play_in_wind(table, wind, place, frames, name)[0] for name in methods}
     errors = {name: compare.errors(q[name], reference) for name in methods}
     basis = compare.basis

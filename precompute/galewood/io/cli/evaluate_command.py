@@ -64,7 +64,7 @@ def evaluate(
         raise typer.Exit(1) from None
     write_figures(json_out, figures)
     for sentence in sentences(figures):
-        console.print(sentence, highlight=False)
+        console.print(sentence, highlight=False, soft_wrap=True)
     console.print_json(data=without_frames(figures))
 
 

@@ -12,22 +12,22 @@ from galewood.table import Table, decode
 from tests.golden import GOLDEN_FOLDER
 
 POLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
-HEIGHTS_M = (0.0, 2.0, 4.0, 6.0)
-BRANCHES_M = ((1.0, 3.0, 0.0), (2.0, 3.0, 0.0), (0.5, 5.0, 0.0), (4.0, 5.0, 0.0))
+HEIGHTS_M = (0.0, 3.0, 6.0, 10.0)
+BRANCHES_M = ((1.0, 4.0, 0.0), (2.0, 4.0, 0.0), (0.5, 7.0, 0.0), (2.5, 7.0, 0.0))
 
 
 def tree() -> Table:
-    """A trunk of four nodes, in another order than their height, with two branches of two nodes each."""
+    """A trunk of four nodes, with two branches of two nodes each that begin at its second and third node."""
     trunk = [(0.0, y, 0.0) for y in HEIGHTS_M]
-    rest_m = np.array([trunk[1], trunk[0], *BRANCHES_M, trunk[2], trunk[3]], np.float32)
-    #   trunk: 1 → 0 → 6 → 7; branches: 2 → 3 and 4 → 5
-    parent = np.array([1, 1, 2, 2, 4, 4, 0, 6], np.uint16)
+    rest_m = np.array([trunk[0], trunk[1], *BRANCHES_M[:2], trunk[2], *BRANCHES_M[2:], trunk[3]], np.float32)
+    #   trunk: 0 → 1 → 4 → 7; branches: 2 → 3 and 5 → 6
+    parent = np.array([0, 0, 1, 2, 1, 4, 5, 4], np.uint16)
     return replace(POLE, node_rest_m=rest_m, node_parent=parent)
 
 
-def test_the_trunk_is_the_branch_of_the_lowest_node_and_the_outer_half_is_far_from_it() -> None:
-    assert trunk_nodes(tree()).tolist() == [1, 0, 6, 7]
-    assert sorted(outer_nodes(tree()).tolist()) == [3, 5]
+def test_the_trunk_continues_with_the_farthest_limb_and_the_outer_half_is_far_from_it() -> None:
+    assert trunk_nodes(tree()).tolist() == [0, 1, 4, 7]
+    assert sorted(outer_nodes(tree()).tolist()) == [3, 6]
 
 
 def test_branches_that_follow_a_bending_trunk_do_not_move_by_themselves() -> None:
@@ -37,7 +37,7 @@ def test_branches_that_follow_a_bending_trunk_do_not_move_by_themselves() -> Non
     track[..., 0] = np.sin(time)[:, None] * bend
     assert branch_motion_m(tree(), track) == pytest.approx(0.0, abs=1e-12)
     own = np.sin(2 * np.pi * np.arange(60) / 20)  # three whole waves: 1/√2 about the mean
-    track[:, [3, 5], 2] += own[:, None] * np.array([0.02, 0.04]) + 0.3  # a lean does not count
+    track[:, [3, 6], 2] += own[:, None] * np.array([0.02, 0.04]) + 0.3  # a lean does not count
     assert branch_motion_m(tree(), track) == pytest.approx(0.03 / np.sqrt(2))
 
 
