@@ -1,7 +1,8 @@
 """Errors of the shipped tables in gusts and in uniform winds: the table of docs/physics.md.
 
-Run from the repository: ``python docs/examples/accuracy.py docs/physics.md data/cache build/accuracy``. The
-last folder keeps the report of each tree; one with a report is not evaluated again. Takes minutes per tree.
+Run from the repository: ``python docs/examples/accuracy.py docs/physics.md data/cache build/accuracy``, with
+the names of trees to evaluate only these. The last folder keeps the report of each tree; one with a report is
+not evaluated again. Takes minutes per tree.
 """
 
 import json
@@ -28,20 +29,20 @@ HEAD = (
 )
 
 
-def report_of(mesh: BuiltinMesh, cache_dir: Path, kept: Path) -> dict[str, Any]:
-    """The report of a shipped tree's evaluation, from its file if there is one."""
-    if not kept.exists():
-        table = unpacked(mesh, species_folder(), cache_dir)
-        options = EvaluationOptions(workers=1)
-        found = run_evaluation(table, mesh.path, None, options, cache_dir, lambda done, what: None, plot=None)
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_text(json.dumps(found, default=float))
-    return json.loads(kept.read_text())
+def evaluate(mesh: BuiltinMesh, cache_dir: Path, kept: Path) -> None:
+    """Write the report of a shipped tree's evaluation."""
+    table = unpacked(mesh, species_folder(), cache_dir)
+    options = EvaluationOptions(workers=1)
+    found = run_evaluation(table, mesh.path, None, options, cache_dir, lambda done, what: None, plot=None)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    kept.write_text(json.dumps(found, default=float))
 
 
 def rows_of(name: str, report: dict[str, Any]) -> list[str]:
     """The lines of the table for one tree; the last column is the worst of the seven uniform winds."""
-    worst = max(methods["modal"]["max_error"] for methods in report["uniform"].values())
+    worst = max(
+        (methods["modal"]["max_error"] for methods in report.get("uniform", {}).values()), default=None
+    )
     lines: list[str] = []
     for k, wind in enumerate(GUSTS):
         case = report["gusts"][wind]
@@ -50,17 +51,23 @@ def rows_of(name: str, report: dict[str, Any]) -> list[str]:
             name if k == 0 else "", wind, f"{case['mean_speed_m_s']:.1f}",
             f"{100 * case['reference_sway']:.1f} %", f"{100 * modal['rms_error_of_rms_sway']:.0f} %",
             f"{100 * modal['max_error']:.1f} %", f"{modal['branches']:.2f}",
-            f"{100 * worst:.2f} %" if k == 0 else "",
+            "" if k else "to be measured" if worst is None else f"{100 * worst:.2f} %",
         )  # fmt: skip
         lines.append(f"| {' | '.join(cells)} |")
     return lines
 
 
 page, cache, reports = (Path(argument) for argument in sys.argv[1:4])
-lines = [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
+names, lines = sys.argv[4:], [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
 for tree in builtin_meshes(species_folder()):
-    lines += rows_of(tree.name, report_of(tree, cache, reports / f"{tree.name}.json"))
-    print("\n".join(lines[-len(GUSTS) :]), flush=True)
+    report = reports / f"{tree.name}.json"
+    if not report.exists() and (tree.name in names or not names):
+        evaluate(tree, cache, report)
+    if report.exists():
+        lines += rows_of(tree.name, json.loads(report.read_text()))
+        print("\n".join(lines[-len(GUSTS) :]), flush=True)
+    else:
+        lines.append(f"| {tree.name} | to be measured |" + " |" * (len(HEAD) - 2))
 text = page.read_text(encoding="utf-8")
 before, rest = text.split(BEGIN)
 table = "\n".join(lines)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from galewood.check.evaluation.gusts import strongest_pa
@@ -9,7 +11,7 @@ from galewood.check.evaluation.tracks import pressures_at
 from galewood.motion.wind.evaluation import Wind, change_wind, dynamic_pressure, height_factor, steady
 from galewood.motion.wind.pressure import compressed
 from galewood.motion.wind.transition import WindState
-from galewood.solid.fem import FemModel, Place
+from galewood.solid.fem import FemSettings, Place
 from galewood.table.format import decode
 from galewood.util import Floats
 
@@ -17,7 +19,7 @@ from tests.golden import GOLDEN_FOLDER
 from tests.precompute.solid.fem.test_node_wind import points
 
 POLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
-NODES: FemModel = points(np.zeros((1, 3)))
+NODES = replace(points(np.zeros((1, 3))), settings=FemSettings(dt_s=float(POLE.metadata["dt_s"])))
 
 
 def pressure_at(wind: WindState, place: Place, frames: int) -> Floats:
