@@ -2,7 +2,12 @@
 # pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
-from galewood.options.evaluation import EVALUATION_SEED, EvaluationOptions, EvaluationSeed
+from galewood.options.evaluation import (
+    EVALUATION_FRAMES,
+    EVALUATION_SEED,
+    EvaluationOptions,
+    EvaluationSeed,
+)
 from galewood.options.method import METHOD_HELP, METHOD_NAMES, Method
 from galewood.options.request import (
     MAX_HEIGHT_M,
@@ -19,6 +24,7 @@ from galewood.options.request import (
 )
 
 __all__ = [
+    "EVALUATION_FRAMES",
     "EVALUATION_SEED",
     "MAX_HEIGHT_M",
     "MAX_TETS",

@@ -12,6 +12,7 @@ EvaluationSeed = Annotated[
     int, Field(ge=0, lt=2**31, description="Seed of the winds' directions and timing.")
 ]
 EVALUATION_SEED = 20_001
+EVALUATION_FRAMES = 660
 
 
 class EvaluationOptions(BaseModel):
@@ -19,8 +20,10 @@ class EvaluationOptions(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    frames: int = Field(default=600, ge=60, description="Frames per wind.")
-    strength: float = Field(default=0.65, description="Peak speed of the winds over the design speed.")
+    frames: int = Field(default=EVALUATION_FRAMES, ge=60, description="Frames of each wind, 1/30 s each.")
+    strength: float = Field(
+        default=0.65, description="Peak speed of the uniform winds over the design speed."
+    )
     sway: float | None = Field(
         default=None,
         description="Scale each wind instead until the tree sways by this share of its height, or until the "

@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from galewood.motion.wind import (
-    Wind,
-    WindField,
-    compress_pressure,
-    dynamic_pressure,
-    height_factor,
-    limit_pressure,
-)
+from galewood.motion.wind import TreePressure, WindField
 from galewood.options import Method
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
@@ -43,18 +36,20 @@ class WindDrivenTrees:
         """Create trees at rest; ``trees`` (n, 4): x, z (m), yaw (rad), scale."""
         rows = np.asarray(trees, np.float32).reshape(-1, 4)
         count = len(rows)
-        self._x_m, self._z_m = rows[:, 0].astype(np.float64), rows[:, 1].astype(np.float64)
-        self._pressure_x, self._pressure_z = np.zeros(count), np.zeros(count)
-        self._height_m = float(table.metadata["height_m"]) * rows[:, 3].astype(np.float64)
-        self._most_pa, self._exponent = table.peak_pressure_pa, table.streamlined_exponent
-        self._strength: tuple[float, ...] | None = None
-        self._height_factor, self._peak_pa = np.ones(count), np.zeros(count)
-        self._ratio = np.zeros(count)
         self._forest = forest_of(table, count, method, pose_easing)
         self._forest.set_trees(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
         self._gusts = PlaceGusts(table.modal_place, table.streamlined_exponent, count)
-        if isinstance(self._forest, ModalForest):
-            self._most_pa = float(table.modal_limits[2])
+        height_m = float(table.metadata["height_m"]) * rows[:, 3].astype(np.float64)
+        modal = isinstance(self._forest, ModalForest)
+        most_pa = float(table.modal_limits[2]) if modal else table.peak_pressure_pa
+        self._pressure = TreePressure(
+            rows[:, 0], rows[:, 1], height_m, most_pa, table.streamlined_exponent, limited=not modal
+        )
+
+    @property
+    def most_pa(self) -> float:
+        """Strongest pressure of the table, Pa: stronger winds are compressed, or clamped (paper)."""
+        return self._pressure.most_pa
 
     @property
     def q(self) -> Singles:
@@ -66,8 +61,8 @@ class WindDrivenTrees:
         """(n,) sway or pressure over the largest sampled value; always 1 for the paper's state search."""
         forest = self._forest
         if not isinstance(forest, ModalForest):
-            return np.ones(len(self._x_m), np.float32)
-        return np.maximum(forest.extrapolation_ratio, self._ratio).astype(np.float32)
+            return np.ones(len(self._pressure.ratio), np.float32)
+        return np.maximum(forest.extrapolation_ratio, self._pressure.ratio).astype(np.float32)
 
     def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> bool:
         """Add to the oscillators of a tree (``ModalForest.displace``); False: the paper's trees have none."""
@@ -78,26 +73,10 @@ class WindDrivenTrees:
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
         """Advance by dt_s seconds in the wind at time_s, the end of the step."""
-        self._set_strength(field.at(time_s).wind)
-        out = (self._pressure_x, self._pressure_z)
-        field.pressure(self._x_m, self._z_m, time_s, *out, self._exponent, self._height_factor)
+        self._pressure.advance(field, time_s)
+        pressure_pa = (self._pressure.x_pa, self._pressure.z_pa)
         if isinstance(self._forest, ModalForest):
-            compress_pressure(*out, self._peak_pa, self._most_pa, self._ratio)
-            gusts = self._gusts.at(field, time_s, self._forest.standing, *out)
-            self._forest.advance(dt_s, *out, gusts)
+            gusts = self._gusts.at(field, time_s, self._forest.standing, *pressure_pa)
+            self._forest.advance(dt_s, *pressure_pa, gusts)
         else:
-            limit_pressure(*out, self._most_pa)
-            self._forest.advance(dt_s, *out)
-
-    def _set_strength(self, wind: Wind) -> None:
-        """Update the height factors and the pressures of the strongest gusts if the wind has changed."""
-        strength = (
-            wind.height_exponent, wind.reference_height_m, wind.mean_speed_m_s, wind.gustiness,
-        )  # fmt: skip
-        if self._strength == strength:
-            return
-        self._strength = strength
-        exponent, reference_height_m, mean_m_s, gustiness = strength
-        self._height_factor = height_factor(self._height_m, exponent, reference_height_m)
-        gust_m_s = mean_m_s * (1.0 + gustiness) * self._height_factor
-        self._peak_pa = dynamic_pressure(gust_m_s, self._exponent)
+            self._forest.advance(dt_s, *pressure_pa)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from galewood.pipeline.results import ShippedTree
-from galewood.util import write_atomically
 from sqlalchemy.orm import Session
 
 from galewood_server.context import Service
@@ -28,9 +27,7 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
 
     Its model is not distributed: the first analysis that needs it computes it from the tetrahedra.
     """
-    tets = service.settings.cache_dir / "tets" / shipped.tets_name
-    if not tets.exists():
-        write_atomically(tets, shipped.tets)
+    shipped.keep_tetrahedra(service.settings.cache_dir)
     if tree.job and tree.job.state in ACTIVE_STATES:
         request_cancel(session, tree.job)
     hashes = {

@@ -6,9 +6,9 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from galewood.check.evaluation import Comparison, Place, comparison_tracks, nodes_on_wood
+from galewood.check.evaluation import Comparison, Errors, comparison_tracks, nodes_on_wood
 from galewood.motion.wind import parse_wind_or_state
-from galewood.solid.fem import load_model
+from galewood.solid.fem import Place, load_model
 from galewood.table import Table, decode
 
 from galewood_server.jobs.analysis_files import store_result
@@ -71,21 +71,39 @@ def pack(comparison: Comparison, table: Table) -> bytes:
         "tracks": {name: _bytes(q) for name, q in comparison.q.items()},
         "sway": _list(comparison.sway),
         "left_out": _list(comparison.left_out),
-        "error": {
-            name: {kind: _list(values) for kind, values in asdict(error).items()}
-            for name, error in comparison.errors.items()
+        "error": _series(comparison.errors),
+        "uniform": {
+            "sway": _list(comparison.uniform.sway),
+            "error": _series(comparison.uniform.errors),
         },
     }
     return pack_msgpack(document)
 
 
 def summary(comparison: Comparison) -> dict[str, Any]:
-    """The maximum of each error over time, relative to the tree height."""
+    """The maximum of each error over time, relative to the height: in gusts, then in the uniform wind."""
     return {
         "reference_sway": float(comparison.sway.max()),
         "left_out": float(comparison.left_out.max()),
-        "max_error": {name: float(error.max.max()) for name, error in comparison.errors.items()},
-        "hausdorff": {name: float(error.hausdorff.max()) for name, error in comparison.errors.items()},
+        **_largest(comparison.errors),
+        "uniform": {
+            "reference_sway": float(comparison.uniform.sway.max()),
+            **_largest(comparison.uniform.errors),
+        },
+    }
+
+
+def _largest(errors: dict[str, Errors]) -> dict[str, dict[str, float]]:
+    return {
+        "max_error": {name: float(error.max.max()) for name, error in errors.items()},
+        "hausdorff": {name: float(error.hausdorff.max()) for name, error in errors.items()},
+    }
+
+
+def _series(errors: dict[str, Errors]) -> dict[str, dict[str, list[float]]]:
+    return {
+        name: {kind: _list(values) for kind, values in asdict(error).items()}
+        for name, error in errors.items()
     }
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.check.evaluation import SourceError, run_evaluation
-from galewood.options import EvaluationOptions
+from galewood.options import METHOD_NAMES, EvaluationOptions
 from galewood.table import read_metadata
 
 from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
@@ -19,6 +19,7 @@ from galewood_server.storage import Stores
 
 PEAK_SPEED_RATIO = 0.65
 """Default peak wind speed relative to the design speed, as in `galewood evaluate`."""
+GUST_FIGURES = ("rms_error_of_rms_sway", "max_error", "branches", "extrapolation_ratio")
 MAIN_FIGURES = ("max_error", "rms_error", "late_error", "growth", "extrapolation_ratio")
 
 
@@ -39,7 +40,7 @@ def evaluate(
     # `growth` is null if nothing grows; NaN would be a defect, hence allow_nan=False
     report = json.dumps(figures, allow_nan=False, default=float).encode()
     pictures = {PLOT_FILE: (folder / PLOT_FILE).read_bytes()}
-    store_result(job_lease, stores, main_figures(figures["winds"]), report, pictures)
+    store_result(job_lease, stores, main_figures(figures), report, pictures)
     shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -78,17 +79,30 @@ def strength_of(table: Path, request: dict[str, Any]) -> float:
     return float(request["speed_m_s"]) / float(read_metadata(table.read_bytes())["design_speed_m_s"])
 
 
-def main_figures(winds: dict[str, Any]) -> dict[str, Any]:
-    """By wind: sway of the reference solution, truncation error, and the main figures of each method."""
-    return {
+def main_figures(figures: dict[str, Any]) -> dict[str, Any]:
+    """In gusts, then in uniform winds: by wind, sway of the reference solution and main figures by method."""
+    in_gusts = {
+        wind: {
+            "sway": case["reference_sway"],
+            "mean_speed_m_s": case["mean_speed_m_s"],
+            "methods": {
+                name: {figure: case[name][figure] for figure in GUST_FIGURES}
+                for name in METHOD_NAMES
+                if name in case
+            },
+        }
+        for wind, case in figures["gusts"].items()
+    }
+    uniform = {
         wind: {
             "sway": methods["rest-pose"]["reference_sway"],
             "floor": methods["floor"]["truncation"],
             "methods": {
-                name: {figure: figures[figure] for figure in MAIN_FIGURES}
-                for name, figures in methods.items()
+                name: {figure: found[figure] for figure in MAIN_FIGURES}
+                for name, found in methods.items()
                 if name != "floor"
             },
         }
-        for wind, methods in winds.items()
+        for wind, methods in figures["uniform"].items()
     }
+    return {"gusts": in_gusts, "uniform": uniform}

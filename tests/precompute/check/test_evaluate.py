@@ -16,8 +16,10 @@ from galewood.check.evaluation.evaluate import (
     nearest_sample,
     play_pressures,
 )
+from galewood.check.evaluation.gusts import GustCase, evaluate_in_gusts, place_of, play_in_wind
 from galewood.check.evaluation.long_run import long_run, play_beyond_range
 from galewood.check.evaluation.measures import errors, figures, growth, hausdorff, joined, windows
+from galewood.check.evaluation.model_file import SourceError, find_model
 from galewood.check.evaluation.plot import plot_errors
 from galewood.check.evaluation.reference_runs import (
     ReferenceRun,
@@ -27,13 +29,17 @@ from galewood.check.evaluation.reference_runs import (
     run_references,
     sway_of,
 )
-from galewood.check.evaluation.source import Source, SourceError, find_model, source_of, stage_of
+from galewood.check.evaluation.source import Source, source_of, stage_of
 from galewood.check.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.io.cli.commands import app
 from galewood.io.cli.tools import file_writer
+from galewood.motion.wind import PRESETS, Wind
+from galewood.motion.wind.transition import WindState
+from galewood.options import EvaluationOptions
 from galewood.pipeline.sampling.runner import SampleTask, content_hash, run_task
 from galewood.pipeline.stages.build import build_table, model_of
 from galewood.pipeline.tables.options import BuildOptions
+from galewood.solid.fem import node_pressures
 from galewood.solid.fem.dynamics import Simulator
 from galewood.table.format import Table, decode
 from galewood.wood import WoodDocument, wood_of_species
@@ -159,7 +165,8 @@ def test_long_gusts_are_equal_in_every_window() -> None:
 
 def test_the_plot_is_written(tmp_path: Path) -> None:
     found = {"reference_sway": 0.1, "error_by_frame": [0.0, 0.01, 0.02]}
-    plot_errors({"step": {"modal": found, "rest-pose": found}}, tmp_path / "errors.png")
+    in_gusts = {"7 m/s": {"reference_sway": 0.1, "modal": found}}
+    plot_errors(in_gusts, {"step": {"modal": found, "rest-pose": found}}, tmp_path / "errors.png")
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -318,16 +325,62 @@ def test_the_command_needs_only_the_table_and_fails_without_its_model(folder: Pa
     ])  # fmt: skip
     assert result.exit_code == 0, result.output
     found = json.loads(out.read_text())
-    assert set(found["winds"]["step"]) >= {"modal", "paper", "paper-literal", "rest-pose", "floor"}
-    assert all(wind["modal"]["max_error_of_sway"] < 0.01 for wind in found["winds"].values())
+    assert set(found["uniform"]["step"]) >= {"modal", "paper", "paper-literal", "rest-pose", "floor"}
+    assert all(wind["modal"]["max_error_of_sway"] < 0.01 for wind in found["uniform"].values())
+    assert list(found["gusts"]) == ["7 m/s", "18 m/s", "10 % sway", "20 % sway"]
+    assert list(found).index("gusts") < list(found).index("uniform")
+    assert all(0 < case["modal"]["rms_error_of_rms_sway"] < 1 for case in found["gusts"].values())
+    assert 0 < result.output.index("In gusts") < result.output.index("the same over the whole crown")
     assert picture.stat().st_size > 1000
     missing = CliRunner().invoke(app, ["evaluate", str(folder / "tree.gwt"), "--cache-dir", str(tmp_path)])
     assert missing.exit_code == 1
 
 
-def test_the_model_of_another_table_is_refused(folder: Path) -> None:
-    with pytest.raises(SourceError):
-        find_model({"provenance": {"model_sha256": "0" * 64}}, folder / "cache")
+def test_the_model_of_another_table_is_not_found(folder: Path) -> None:
+    assert find_model({"provenance": {"model_sha256": "0" * 64}}, folder / "cache") is None
+    with pytest.raises(SourceError, match="does not name its model"):
+        find_model({"provenance": {}}, folder / "cache")
+
+
+GUSTY = replace(PRESETS["autumn-gusts"], mean_speed_m_s=6.0, length_scale_m=10.0)
+
+
+def test_gusts_of_a_cosine_wind_are_the_uniform_wind(table: Table, source: Source, tmp_path: Path) -> None:
+    options, wind = EvaluationOptions(frames=90, workers=1), Wind(mean_speed_m_s=6.0, gustiness=0.5)
+    found = evaluate_in_gusts(
+        table, source, options, tmp_path, lambda f, m: None, cases={"cosine": GustCase(wind)}
+    )
+    assert found["cosine"]["modal"]["rms_error_of_rms_sway"] < 0.05
+    place, height_m = place_of(options.seed), float(table.metadata["height_m"])
+    pressure_pa = np.array([
+        one.tree_pa
+        for one in node_pressures(
+            source.model, WindState(wind, wind), place, 90, height_m=height_m, most_pa=np.inf
+        )
+    ])  # fmt: skip
+    q, ratio = play_in_wind(table, WindState(wind, wind), place, 90)
+    alone, _ = play_pressures(table, pressure_pa, METHODS["modal"])
+    fitted = table.fitted_modes
+    assert ratio < 1 and not q[:, fitted:].any()
+    assert np.allclose(q[:, :fitted], alone[:, :fitted], atol=1e-5 * np.abs(alone).max())
+
+
+def test_gusts_within_the_crown_are_evaluated_and_scaled_to_a_sway(
+    table: Table, source: Source, tmp_path: Path
+) -> None:
+    options = EvaluationOptions(frames=120, workers=1)
+    cases = {"gusts": GustCase(GUSTY), "scaled": GustCase(GUSTY, sway=0.01)}
+    found = evaluate_in_gusts(table, source, options, tmp_path, lambda f, m: None, cases=cases)
+    for case in found.values():
+        assert 0 < case["floor"]["rms_error_of_rms_sway"] < case["modal"]["rms_error_of_rms_sway"] < 0.8
+        assert 0.2 < case["modal"]["branches"] < 1.5
+        assert case["modal"]["max_error"] == max(case["modal"]["error_by_frame"])
+        assert case["modal"]["rms_error_of_rms_sway"] < case["paper"]["rms_error_of_rms_sway"]
+    assert found["scaled"]["reference_sway"] == pytest.approx(0.01, rel=0.03)
+    assert found["gusts"]["mean_speed_m_s"] == 6.0 != found["scaled"]["mean_speed_m_s"]
+    paths = list((tmp_path / "references").iterdir())
+    again = evaluate_in_gusts(table, source, options, tmp_path, lambda f, m: None, cases=cases)
+    assert again == found and list((tmp_path / "references").iterdir()) == paths
 
 
 def test_a_table_of_an_unknown_stage_is_refused() -> None:

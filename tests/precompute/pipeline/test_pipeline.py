@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.check.evaluation.source import tets_of
+from galewood.check.evaluation.model_file import tets_of
 from galewood.pipeline.reduction import linear_motion, oscillators_of
 from galewood.pipeline.results import BuildResult
 from galewood.pipeline.sampling.recording import SampleWind

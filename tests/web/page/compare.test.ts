@@ -1,6 +1,7 @@
 import { encode } from "@msgpack/msgpack";
 import { describe, expect, test } from "vitest";
 import { decodeTracks, poseAt } from "../../../web/src/page/compare/tracks";
+import { verdictLines } from "../../../web/src/page/compare/words";
 import { assumedOf } from "../../../web/src/page/ownTree/assumed";
 import { figuresInWords } from "../../../web/src/page/picking/pickedCard";
 
@@ -18,20 +19,36 @@ const good = {
   sway: [0.1, 0.2],
   left_out: [0, 0],
   error: { modal: errors, paper: errors },
+  uniform: { sway: [0.08, 0.15], error: { modal: { max: [0.0001, 0.0002], hausdorff: [0, 0.0001] }, paper: errors } },
 };
 
 describe("the tracks of a comparison", () => {
   test("are decoded", () => {
     const tracks = decodeTracks(encode(good));
     expect([...tracks.q.fem]).toEqual([1, 2, 3, 4, 5, 6]);
-    expect(tracks.error.paper?.max).toEqual([0.001, 0.002]);
+    expect(tracks.gusts.error.paper?.max).toEqual([0.001, 0.002]);
+    expect(tracks.uniform.sway).toEqual([0.08, 0.15]);
+    expect(tracks.uniform.error.modal.max).toEqual([0.0001, 0.0002]);
   });
 
   test("may lack the paper's method, for a table without records", () => {
     const { paper: _, ...tracks } = good.tracks;
-    const decoded = decodeTracks(encode({ ...good, tracks, error: { modal: errors } }));
-    expect([decoded.q.paper, decoded.error.paper]).toEqual([null, null]);
-    expect(decoded.error.modal.max).toEqual([0.001, 0.002]);
+    const uniform = { sway: [0, 0], error: { modal: errors } };
+    const decoded = decodeTracks(encode({ ...good, tracks, error: { modal: errors }, uniform }));
+    expect([decoded.q.paper, decoded.gusts.error.paper, decoded.uniform.error.paper]).toEqual([null, null, null]);
+    expect(decoded.gusts.error.modal.max).toEqual([0.001, 0.002]);
+  });
+
+  test("are told in words: gusts first, then the uniform wind if it differs", () => {
+    const { gusts, uniform } = decodeTracks(encode(good));
+    const says = "Maximum displacement: 20 % of tree height. Maximum error: 0.2 % of tree height (Hausdorff distance 0.1 %).";
+    const [first, second, ...further] = verdictLines(gusts, uniform, "modal");
+    expect(first).toBe(`In gusts, as shown: ${says}`);
+    expect(second).toMatch(/^In a uniform wind, the same on all branches: .*displacement: 15 %.*error: 0.02 %/);
+    expect(further).toEqual([]);
+    const alone = { ...gusts, error: { ...gusts.error, paper: null } };
+    expect(verdictLines(alone, uniform, "paper")[0]).toBe(first);
+    expect(verdictLines(gusts, gusts, "modal")).toEqual([`In this wind, the same on all branches: ${says}`]);
   });
 
   test.each([
@@ -40,6 +57,7 @@ describe("the tracks of a comparison", () => {
     ["no frames", { frames: 0 }],
     ["a track of another length", { modes: 4 }],
     ["no errors", { error: {} }],
+    ["no uniform wind", { uniform: undefined }],
     ["a sway of another length", { sway: [0.1] }],
   ])("with %s are rejected with a message", (_, change) => {
     expect(() => decodeTracks(encode({ ...good, ...change }))).toThrow("The comparison could not be read");

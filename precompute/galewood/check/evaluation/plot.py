@@ -17,14 +17,15 @@ STYLES = {
 MARKED_FRAMES = (20, 40, 60)
 
 
-def plot_errors(figures: dict[str, Any], path: Path) -> None:
-    """Plot the figures of ``evaluate_table`` to a file (PNG, SVG or PDF by its suffix)."""
+def plot_errors(in_gusts: dict[str, Any], uniform: dict[str, Any], path: Path) -> None:
+    """Plot the figures of an evaluation to a file (PNG, SVG or PDF by its suffix), those in gusts first."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    error_figure(figures).savefig(path, dpi=110)
+    named = {f"gusts, {name}": case for name, case in in_gusts.items()}
+    error_figure({**named, **uniform}).savefig(path, dpi=110)
 
 
 def error_figure(figures: dict[str, Any]) -> Any:
-    """Create the figure without saving it."""
+    """Create the figure without saving it, from figures by wind."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.0, 1.5 * len(figures) + 0.8), layout="constrained")
@@ -37,7 +38,7 @@ def error_figure(figures: dict[str, Any]) -> Any:
                 panel.semilogy(frames, errors, dashes, color=colour, linewidth=width, label=method)
         for frame in MARKED_FRAMES:
             panel.axvline(frame, color="#d0d0d0", linewidth=0.6, zorder=0)
-        sway = methods["rest-pose"]["reference_sway"]
+        sway = methods.get("rest-pose", methods)["reference_sway"]
         panel.set_title(f"{wind}: sways by {sway:.1%} of the height", fontsize=8, loc="left")
         panel.tick_params(labelsize=7)
         panel.spines[["top", "right"]].set_visible(False)

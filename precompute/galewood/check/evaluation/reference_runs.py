@@ -8,12 +8,15 @@ from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from galewood.solid.fem import Simulator, load_model
 from galewood.util import Floats, WorkerPool, write_arrays
+
+Task = TypeVar("Task")
 
 REFERENCE_VERSION = 2
 """Part of every cache key: increase it when a change of the simulation or this file changes the result."""
@@ -59,31 +62,36 @@ def run_references(
     ``done`` is called with the number of finished tasks. Raises FloatingPointError for a diverging run.
     """
     paths = [reference_path(task, cache_dir) for task in tasks]
+    run_missing(run_reference, tasks, paths, done, workers)
+    return paths
+
+
+def run_missing(
+    run: Callable[[Task, Path], None],
+    tasks: Sequence[Task],
+    paths: Sequence[Path],
+    done: Callable[[int], None],
+    workers: int,
+) -> None:
+    """Run the tasks whose files do not exist; ``done`` is called with the number of finished tasks."""
     missing = [(task, path) for task, path in zip(tasks, paths, strict=True) if not path.exists()]
     ready = len(tasks) - len(missing)
     done(ready)
     if len(missing) == 1 or workers == 1:
         for count, (task, path) in enumerate(missing, 1):
-            run_reference(task, path)
+            run(task, path)
             done(ready + count)
     elif missing:
-        _run_in_processes(missing, lambda count: done(ready + count), workers)
-    return paths
-
-
-def _run_in_processes(
-    missing: Sequence[tuple[ReferenceTask, Path]], done: Callable[[int], None], workers: int
-) -> None:
-    with WorkerPool(min(workers, len(missing))) as pool:
-        futures = [pool.start(run_reference, task, path) for task, path in missing]
-        for count, future in enumerate(as_completed(futures), 1):
-            future.result()
-            done(count)
+        with WorkerPool(min(workers, len(missing))) as pool:
+            futures = [pool.start(run, task, path) for task, path in missing]
+            for count, future in enumerate(as_completed(futures), 1):
+                future.result()
+                done(ready + count)
 
 
 def run_reference(task: ReferenceTask, path: Path) -> None:
     """Simulate one wind and write the result atomically."""
-    simulator = _simulator(task.model)
+    simulator = simulator_of(task.model)
     reference = follow(simulator, task.pressure_pa)
     if task.sway_m is not None:
         reference = _scaled(simulator, reference, task.sway_m, task.most_pa)
@@ -138,5 +146,6 @@ def _follow_scaled(simulator: Simulator, pressure_pa: Floats, factor: float) -> 
 
 
 @lru_cache(maxsize=1)
-def _simulator(model: Path) -> Simulator:
+def simulator_of(model: Path) -> Simulator:
+    """The simulator of a model file; the last one is kept."""
     return Simulator(load_model(model))

@@ -6,13 +6,23 @@ from pathlib import Path
 from typing import Any
 
 from galewood.check.evaluation.evaluate import OnProgress, evaluate_table
+from galewood.check.evaluation.gusts import evaluate_in_gusts
 from galewood.check.evaluation.long_run import long_run, play_beyond_range
+from galewood.check.evaluation.model_file import SourceError, model_file
 from galewood.check.evaluation.plot import plot_errors
-from galewood.check.evaluation.source import SourceError, source_of
+from galewood.check.evaluation.source import source_of
 from galewood.options import EvaluationOptions
 from galewood.table import decode
 
 DEFINITIONS = {
+    "gusts": "winds whose gusts differ within the crown, as the page plays them; the reference solution "
+    "feels them at each of its nodes",
+    "uniform": "winds that are the same over the whole crown",
+    "rms_error_of_rms_sway": "root mean square of the nodes' distance from the reference solution, over that "
+    "of their sway about the mean pose",
+    "branches": "motion of the outer half of the crown relative to the trunk, over that of the reference "
+    "solution (branches_m): 1 is right, 0 are branches that only follow the trunk",
+    "pressure_ratio": "strongest pressure of the wind over that of the table; above 1, it was compressed",
     "max_error": "largest distance of a vertex from the reference solution, over the height",
     "rms_error": "root mean square of that distance over all vertices and frames, over the height",
     "max_error_of_sway": "largest error over the largest displacement of the run (reference_sway × height)",
@@ -46,24 +56,28 @@ def run_evaluation(
     out. Raises TableError, SourceError, MeshError, and FloatingPointError if a reference simulation diverges.
     """
     decoded = decode(table.read_bytes(), records.read_bytes() if records else None)
-    preparing = share(on_progress, 0.0, 0.1)
+    drawn, references = mesh or mesh_of(table), reference_dir or cache_dir
+    on_progress(0.0, "Finding the model")
+    own = model_file(decoded, drawn, cache_dir, model)
+    middle = 0.6 if options.long else 1.0
+    in_gusts = evaluate_in_gusts(decoded, own, options, references, share(on_progress, 0.05, 0.4 * middle))
     source = source_of(
-        decoded, mesh or mesh_of(table), cache_dir, preparing, model=model, workers=options.workers
-    )
-    middle = 0.4 if options.long else 1.0
-    comparing = share(on_progress, 0.1, middle)
-    winds = evaluate_table(decoded, source, options, reference_dir or cache_dir, comparing)
+        decoded, drawn, cache_dir, share(on_progress, 0.4 * middle, 0.5 * middle),
+        model=own.model_path, workers=options.workers,
+    )  # fmt: skip
+    uniform = evaluate_table(decoded, source, options, references, share(on_progress, 0.5 * middle, middle))
     found: dict[str, Any] = {
         "species": decoded.metadata.get("species"),
         "height_m": decoded.metadata["height_m"],
         "design_speed_m_s": decoded.metadata["design_speed_m_s"],
         "seed": options.seed,
         "frames": options.frames,
+        "gusts": in_gusts,
+        "uniform": uniform,
         "definitions": DEFINITIONS,
-        "winds": winds,
     }
     if plot is not None:
-        plot_errors(winds, plot)
+        plot_errors(in_gusts, uniform, plot)
     if options.long:
         found["long"] = long_run(
             decoded, source, cache_dir, share(on_progress, middle, 1.0),
@@ -71,6 +85,33 @@ def run_evaluation(
         )  # fmt: skip
         found["beyond"] = play_beyond_range(decoded, source)
     return found
+
+
+def sentences(found: dict[str, Any]) -> list[str]:
+    """The main figures of the default method in words, those in gusts first."""
+    lines = ["In gusts, which differ within the crown, as the page plays them:"]
+    for name, case in found["gusts"].items():
+        figures, branches = case["modal"], case["modal"]["branches"]
+        line = (
+            f"  {name}: sway {_percent(case['reference_sway'])} of the height; error "
+            f"{_percent(figures['rms_error_of_rms_sway'])} of the sway (root mean squares), at most "
+            f"{_percent(figures['max_error'])} of the height"
+        )
+        if branches is not None:
+            line += f"; branches move {branches:.2f} times as far as in the finite elements"
+        lines.append(line)
+    lines.append("In winds that are the same over the whole crown:")
+    for name, methods in found["uniform"].items():
+        sway = methods["rest-pose"]["reference_sway"]
+        lines.append(
+            f"  {name}: sway {_percent(sway)} of the height; error at most "
+            f"{_percent(methods['modal']['max_error'])} of the height"
+        )
+    return lines
+
+
+def _percent(share_: float) -> str:
+    return f"{float(f'{100 * share_:.2g}'):g} %"
 
 
 def mesh_of(table: Path) -> Path:

@@ -1,8 +1,7 @@
-"""Recovers what a table was built from: its finite-element model, its modes on the wood, its render vertices.
+"""Recovers what a table was built from: its modes on the wood and its render vertices, besides its model.
 
-The table file does not contain them. The model is in the cache of the build, under the hash in the table's
-provenance; the mesh is beside the table or given by the user; the modes are computed again from the training
-runs of the build. Each is checked against the table.
+The table file does not contain them. The mesh is beside the table or given by the user; the modes are
+computed again from the training runs of the build. Each is checked against the table.
 """
 
 from __future__ import annotations
@@ -16,35 +15,26 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse
 
-from galewood.options import BuildRequest, ImportRequest
+from galewood.check.evaluation.model_file import ModelSource, SourceError, model_file, options_of
+from galewood.options import ImportRequest
 from galewood.pipeline.reduction import Subspace, output_modes
 from galewood.pipeline.sampling import (
-    ALL_COSINES,
-    COSINE_PREFIX,
     SampledRun,
     Samples,
-    content_hash,
     run_in_processes,
     simulate,
 )
 from galewood.pipeline.stages import TrainingModel
 from galewood.pipeline.tables import TableSettings, TableStage
-from galewood.solid.fem import FemModel, load_model
+from galewood.solid.fem import FemModel
 from galewood.solid.skeleton import extract_skeleton, sampled_elements
 from galewood.solid.skinning import points_embedding, render_embedding
 from galewood.solid.tets import TetMesh
-from galewood.table import Metadata, Table
+from galewood.table import Table
 from galewood.tree import TreeMesh, import_mesh_sandboxed
-from galewood.util import Floats, Int64s, write_atomically
+from galewood.util import Floats, Int64s
 
 OnProgress = Callable[[float, str], None]
-USUAL_OPTIONS = BuildRequest()
-TOLD_OPTIONS = ("seed", "sampled_elements")
-"""Options of a build that the metadata of its table names."""
-
-
-class SourceError(ValueError):
-    """The model or the mesh of a table is missing or belongs to another table."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +46,9 @@ class RenderedVertices:
 
 
 @dataclass(frozen=True)
-class Source:
+class Source(ModelSource):
     """The finite-element model of a table and the table's modes on its vertices."""
 
-    model: FemModel
-    model_path: Path
-    mesh: TetMesh
     tree: TreeMesh
     binding: scipy.sparse.csr_matrix  # (v, n) weights of the render vertices on the tet vertices
     subspace: Subspace
@@ -84,22 +71,20 @@ def source_of(
 ) -> Source:
     """Recover the source of a table from its mesh and the cache of its build.
 
-    ``model`` is the model file if the cache lacks it. Raises SourceError if something is missing or does not
-    match the table, and MeshError for an unreadable mesh.
+    ``model`` is the model file if the cache lacks it; without both it is built again. Raises SourceError if
+    something is missing or does not match the table, and MeshError for an unreadable mesh.
     """
     on_progress(0.0, "Finding the model")
-    metadata = table.metadata
-    model_path = kept_model(model, metadata, cache_dir) if model else find_model(metadata, cache_dir)
-    fem = load_model(model_path)
-    tets = tets_of(fem)
+    own = model_file(table, mesh, cache_dir, model)
     on_progress(0.1, "Reading the mesh")
     tree = read_mesh(table, mesh)
-    binding = render_embedding(tree, tets)
+    binding = render_embedding(tree, own.mesh)
     on_progress(0.3, "Reading the simulated runs")
-    subspace = table_modes(table, fem, tets, cache_dir, workers)
-    check_basis(table, tets, subspace)
+    subspace = table_modes(table, own.model, own.mesh, cache_dir, workers)
+    check_basis(table, own.mesh, subspace)
     on_progress(1.0, "Done")
-    return Source(fem, model_path, tets, tree, binding, subspace, _rendered(table, tets))
+    rendered = _rendered(table, own.mesh)
+    return Source(own.model, own.model_path, own.mesh, tree, binding, subspace, rendered)
 
 
 def _same_joints(table: Table, tree: TreeMesh) -> bool:
@@ -111,46 +96,6 @@ def _same_joints(table: Table, tree: TreeMesh) -> bool:
     )
     arm = np.linalg.norm(positions_m - table.joint_rest_m[table.vertex_joint.astype(np.int64)], axis=1)
     return float(arm[wood].mean()) < 0.02 * float(table.metadata["height_m"])
-
-
-def find_model(metadata: Metadata, cache_dir: Path) -> Path:
-    """Model file of a table in the cache of its build. Raises SourceError."""
-    path = cache_dir / "models" / f"{_model_sha256(metadata)}.npz"
-    if path.exists():
-        return path
-    raise SourceError(
-        f"{cache_dir} does not contain the model of this table: give the cache of its build (--cache-dir) or "
-        "the model file (--model), or build the table again"
-    )
-
-
-def kept_model(path: Path, metadata: Metadata, cache_dir: Path) -> Path:
-    """Copy a model file into the cache under its hash. Raises SourceError if it is not the table's model."""
-    sha256 = content_hash(load_model(path))
-    if sha256 != _model_sha256(metadata):
-        raise SourceError(
-            f"{path} is the model of another table: give the model of this one or build the table again"
-        )
-    kept = cache_dir / "models" / f"{sha256}.npz"
-    if not kept.exists():
-        write_atomically(kept, path.read_bytes())
-    return kept
-
-
-def _model_sha256(metadata: Metadata) -> str:
-    sha256 = metadata["provenance"].get("model_sha256")
-    if metadata["provenance"].get("stage") == TableStage.BEAMS:
-        raise SourceError("this preliminary table was made from beams: evaluate the complete table instead")
-    if not isinstance(sha256, str):
-        raise SourceError("this table does not name its model: build it again")
-    return sha256
-
-
-def tets_of(model: FemModel) -> TetMesh:
-    """The tetrahedra of a model as a mesh (the radius correction is already part of the stiffness)."""
-    n = model.vertex_count
-    tets = np.ascontiguousarray(model.elements[:, :4])
-    return TetMesh(model.nodes_m[:n], tets, np.ones(len(tets)), {})
 
 
 def read_mesh(table: Table, mesh: Path) -> TreeMesh:
@@ -185,19 +130,6 @@ def _simulated(table: Table, model: TrainingModel, cache_dir: Path, workers: int
     run = partial(run_in_processes, workers=workers)
     simulate(stage_of(table).samples(samples), run, lambda done: None, lambda: None)
     return samples
-
-
-def options_of(table: Table) -> BuildRequest:
-    """The options of a table's build that determine its runs; what the table does not tell is the default."""
-    provenance = table.metadata["provenance"]
-    paper = table.paper.metadata if table.paper else provenance
-    by_name = zip(paper["winds"], paper["frames"], strict=True)
-    cosines = [int(count) for name, count in by_name if name.startswith(COSINE_PREFIX)]
-    known = {name: int(value) for name, value in {**provenance, **paper}.items() if name in TOLD_OPTIONS}
-    frames = {"frames": cosines[0]} if cosines else {}
-    return USUAL_OPTIONS.model_copy(
-        update={**known, **frames, "all_cosine_winds": len(cosines) == ALL_COSINES}
-    )
 
 
 def stage_of(table: Table) -> TableStage:

@@ -1,38 +1,31 @@
 """Motion of one tree under one wind: the reference solution and both methods of its table.
 
-The comparison of the web page shows it. All tracks are modal coordinates q of the table, so that one renderer
-draws them: the displacement of the nodes is basis (n, 3, r) times q (r).
+The comparison of the web page shows it. The wind is that of the page: its gusts differ within the crown, and
+the reference solution feels them at each of its nodes. The errors in the same wind without these gusts, the
+same over the whole crown, are computed too. All tracks are modal coordinates q of the table, so that one
+renderer draws them: the displacement of the nodes is basis (n, 3, r) times q (r).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse
 
 from galewood.check.evaluation.evaluate import methods_of, play_pressures
+from galewood.check.evaluation.gusts import play_in_wind, strongest_pa
 from galewood.check.evaluation.measures import hausdorff
-from galewood.check.evaluation.source import tets_of
-from galewood.motion.wind import WindField, WindState, height_factor, limit_pressure, to_tree_frame
-from galewood.options import METHOD_NAMES
-from galewood.solid.fem import FemModel, Simulator
+from galewood.check.evaluation.model_file import tets_of
+from galewood.motion.wind import WindState
+from galewood.options import METHOD_NAMES, Method
+from galewood.solid.fem import FemModel, NodePressure, Place, Simulator, node_pressures
 from galewood.solid.skinning import points_embedding
-from galewood.table import Table
+from galewood.table import Table, without_gusts
 from galewood.util import Floats
 
 OnProgress = Callable[[float, str], None]
-
-
-@dataclass(frozen=True)
-class Place:
-    """Position and yaw of the tree, and the time at which the comparison starts."""
-
-    x_m: float = 0.0
-    z_m: float = 0.0
-    yaw_rad: float = 0.0
-    start_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -44,14 +37,23 @@ class Errors:
 
 
 @dataclass(frozen=True)
+class Uniform:
+    """Sway and errors in the same wind without the gusts that differ within the crown."""
+
+    sway: Floats  # (frames,)
+    errors: dict[str, Errors]
+
+
+@dataclass(frozen=True)
 class Comparison:
-    """Coordinates of all motions, their common pressure, and their errors; "paper" only with its records."""
+    """Coordinates of all motions, pressure at the tree, and errors; "paper" only with its records."""
 
     pressure_pa: Floats  # (frames, 2) in the tree's own frame
     q: dict[str, Floats]  # fem, modal, paper: (frames, r)
     sway: Floats  # (frames,) largest node displacement of the reference solution, over the height
     errors: dict[str, Errors]  # modal, paper
     left_out: Floats  # (frames,) largest part of the reference outside the basis, over the height
+    uniform: Uniform
 
 
 def nodes_on_wood(table: Table, model: FemModel) -> scipy.sparse.csr_matrix:
@@ -73,64 +75,90 @@ def comparison_tracks(
     ``on_progress`` gets the fraction 0..1 and a message; it may raise to cancel. Raises FloatingPointError if
     the reference simulation diverges.
     """
-    pressure_pa = pressure_at(table, wind, place, frames)
-    rest_m, height_m = table.node_rest_m.astype(np.float64), float(table.metadata["height_m"])
-    reference = _simulate(model, nodes, pressure_pa, lambda share: on_progress(0.8 * share, "Simulating"))
-    basis = table.node_basis.astype(np.float64).reshape(-1, len(table.mode_scale))
+    pressures = pressures_at(table, model, wind, place, frames)
+    pressure_pa = np.array([pressure.tree_pa for pressure in pressures])
+    compare = _Comparing(table, model, nodes)
+    in_gusts = [pressure.node_pa for pressure in pressures]
+    reference = compare.simulate(in_gusts, _part(on_progress, 0.0, 0.4))
+    methods: list[Method] = [name for name in METHOD_NAMES if name in methods_of(table)]
+    q = {name: play_in_wind(table, wind, place, frames, name)[0] for name in methods}
+    errors = {name: compare.errors(q[name], reference) for name in methods}
+    basis = compare.basis
     projected = np.asarray(
         np.linalg.lstsq(basis, reference.reshape(frames, -1).T, rcond=None)[0].T, np.float64
     )
-    q, errors = {"fem": projected}, {}
-    makes = methods_of(table)
-    for k, name in enumerate(name for name in METHOD_NAMES if name in makes):
-        on_progress(0.8 + 0.1 * k, "Comparing")
-        q[name], _ = play_pressures(table, pressure_pa, makes[name])
-        errors[name] = _errors((q[name] @ basis.T).reshape(reference.shape), reference, rest_m, height_m)
-    left_out = _farthest((projected @ basis.T).reshape(reference.shape) - reference, height_m)
+    sway = compare.farthest(reference)
+    left_out = compare.farthest(compare.moved(projected) - reference)
+    if all((pressure.node_pa == pressure.tree_pa).all() for pressure in pressures):
+        uniform = Uniform(sway, errors)
+    else:
+        uniform = compare.in_uniform_wind(pressure_pa, methods, _part(on_progress, 0.4, 0.95))
     on_progress(1.0, "Done")
-    return Comparison(pressure_pa, q, _farthest(reference, height_m), errors, left_out)
+    return Comparison(pressure_pa, {"fem": projected, **q}, sway, errors, left_out, uniform)
 
 
-def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Floats:
-    """(frames, 2) Pa in the tree's frame, frame i at start + (i + 1) steps, exactly as in a forest.
+def pressures_at(
+    table: Table, model: FemModel, wind: WindState, place: Place, frames: int
+) -> list[NodePressure]:
+    """The wind of every frame, as in a forest: frame i is at start + (i + 1) steps.
 
-    The tree's height enters the wind profile, and the pressure is limited to the sampled peak.
+    The tree's height enters the wind profile, and winds beyond the range of the table are compressed.
     """
-    field, dt_s = WindField(wind), float(table.metadata["dt_s"])
-    peak_pa, exponent = table.peak_pressure_pa, table.streamlined_exponent
-    height_m = np.array([float(table.metadata["height_m"])])
-    x_m, z_m = np.array([place.x_m]), np.array([place.z_m])
-    world = np.zeros((2, frames, 1), np.float32)
-    for frame in range(frames):
-        time_s = place.start_s + (frame + 1) * dt_s
-        now = field.at(time_s).wind
-        factor = height_factor(height_m, now.height_exponent, now.reference_height_m)
-        field.pressure(x_m, z_m, time_s, world[0, frame], world[1, frame], exponent, factor)
-        limit_pressure(world[0, frame], world[1, frame], peak_pa)
-    own = to_tree_frame(world[0, :, 0].astype(np.float64), world[1, :, 0].astype(np.float64), place.yaw_rad)
-    return np.stack(own, axis=1)
+    height_m, most_pa = float(table.metadata["height_m"]), strongest_pa(table)
+    return list(node_pressures(model, wind, place, frames, height_m=height_m, most_pa=most_pa))
 
 
-def _simulate(
-    model: FemModel, nodes: scipy.sparse.csr_matrix, pressure_pa: Floats, on_progress: Callable[[float], None]
-) -> Floats:
-    """(frames, n, 3) displacement of the nodes, m; ``nodes`` (n, N) are their weights on the model."""
-    simulator, frames = Simulator(model), len(pressure_pa)
-    at_rest = nodes @ simulator.u[: model.vertex_count]
-    track = np.empty((frames, len(at_rest), 3))
-    for frame, pressure in enumerate(pressure_pa):
-        on_progress(frame / frames)
-        simulator.step(pressure)
-        track[frame] = nodes @ simulator.u[: model.vertex_count]
-    return track
+class _Comparing:
+    """Compares motions of a table's nodes, whose weights on its model are ``nodes`` (n, N)."""
+
+    def __init__(self, table: Table, model: FemModel, nodes: scipy.sparse.csr_matrix) -> None:
+        self._table, self._model, self._nodes = table, model, nodes
+        self._rest_m, self._height_m = table.node_rest_m.astype(np.float64), float(table.metadata["height_m"])
+        self.basis = table.node_basis.astype(np.float64).reshape(-1, len(table.mode_scale))
+        """(3n, r) displacement of the nodes per unit of q."""
+
+    def simulate(self, pressure_pa: Sequence[Floats], on_progress: OnProgress) -> Floats:
+        """(frames, n, 3) displacement of the nodes, m, under pressures (2,) or (N, 2), Pa."""
+        simulator, frames = Simulator(self._model), len(pressure_pa)
+        vertices = self._model.vertex_count
+        at_rest = self._nodes @ simulator.u[:vertices]
+        track = np.empty((frames, len(at_rest), 3))
+        for frame, pressure in enumerate(pressure_pa):
+            on_progress(frame / frames, "Simulating")
+            simulator.step(pressure)
+            track[frame] = self._nodes @ simulator.u[:vertices]
+        return track
+
+    def in_uniform_wind(
+        self, pressure_pa: Floats, methods: Sequence[str], on_progress: OnProgress
+    ) -> Uniform:
+        """Sway and errors under one pressure (frames, 2), Pa, for the whole crown."""
+        reference = self.simulate(list(pressure_pa), on_progress)
+        table, makes = without_gusts(self._table), methods_of(self._table)
+        found: dict[str, Errors] = {}
+        for name in methods:
+            q, _ = play_pressures(table, pressure_pa, makes[name])
+            found[name] = self.errors(q, reference)
+        return Uniform(self.farthest(reference), found)
+
+    def moved(self, q: Floats) -> Floats:
+        """(frames, n, 3) displacement of the nodes, m, at coordinates of the first modes."""
+        return (q @ self.basis[:, : q.shape[1]].T).reshape(len(q), -1, 3)
+
+    def errors(self, q: Floats, reference: Floats) -> Errors:
+        """Errors of coordinates q (frames, r) of the first modes."""
+        track, rest_m = self.moved(q), self._rest_m
+        distances = [
+            hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, reference, strict=True)
+        ]
+        return Errors(self.farthest(track - reference), np.array(distances) / self._height_m)
+
+    def farthest(self, displacement_m: Floats) -> Floats:
+        """(frames,) length of the longest of the vectors (frames, n, 3), over the height."""
+        longest: Floats = np.linalg.norm(displacement_m, axis=2).max(axis=1) / self._height_m
+        return longest
 
 
-def _errors(track: Floats, reference: Floats, rest_m: Floats, height_m: float) -> Errors:
-    distances = [hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, reference, strict=True)]
-    return Errors(_farthest(track - reference, height_m), np.array(distances) / height_m)
-
-
-def _farthest(displacement_m: Floats, height_m: float) -> Floats:
-    """(frames,) length of the longest of the vectors (frames, n, 3), over the height."""
-    longest: Floats = np.linalg.norm(displacement_m, axis=2).max(axis=1) / height_m
-    return longest
+def _part(on_progress: OnProgress, first: float, last: float) -> OnProgress:
+    """Map progress 0..1 to ``first``..``last`` of the whole."""
+    return lambda fraction, message: on_progress(first + (last - first) * fraction, message)

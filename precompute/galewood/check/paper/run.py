@@ -9,6 +9,7 @@ from typing import Any
 from galewood.check.evaluation import (
     Source,
     error_figure,
+    evaluate_in_gusts,
     evaluate_table,
     play_beyond_range,
     recorded_runs,
@@ -29,7 +30,7 @@ from galewood.check.paper.speed import by_elements, forests, memory
 from galewood.check.paper.text import write_text
 from galewood.options import EvaluationOptions
 from galewood.pipeline.stages import BuiltinMesh
-from galewood.table import Table
+from galewood.table import Table, without_gusts
 
 PEAK_SPEED_RATIO = 0.65
 """Peak speed of the unseen winds over the design speed."""
@@ -37,8 +38,12 @@ PEAK_SPEED_RATIO = 0.65
 
 @dataclass(frozen=True)
 class Tree:
-    """A tree's table and its source; ``content`` identifies the table in the cache."""
+    """A tree's table and its source; ``content`` identifies the table in the cache.
 
+    ``table`` is without its gust layer: the winds of the paper are the same over the whole crown.
+    """
+
+    whole: Table
     table: Table
     table_bytes: int
     source: Source
@@ -89,7 +94,7 @@ def _plan_figures(plan: Plan) -> dict[str, Any]:
 def _ready(plan: Plan, notes: Notes, mesh: BuiltinMesh, on_progress: OnProgress) -> Tree:
     table, path, render_glb = built(plan, notes, mesh, _part(on_progress, 0.0, 0.8))
     source = source_of(table, render_glb, plan.cache_dir, _part(on_progress, 0.8, 1.0), workers=plan.workers)
-    return Tree(table, path.stat().st_size, source, path.stem)
+    return Tree(table, without_gusts(table), path.stat().st_size, source, path.stem)
 
 
 def _measure(
@@ -102,7 +107,8 @@ def _measure(
     draw_gestures(gestures, table, source, folder / f"gestures-{name}.png")
     if name == plan.meshes[0].name:
         draw_directions(directions, table, source, folder / f"directions-{name}.png")
-    winds = notes.kept("winds", tree.content, lambda: _unseen(plan, tree, _part(on_progress, 0.1, 0.5)))
+    in_gusts = notes.kept("gusts", tree.content, lambda: _gusts(plan, tree, _part(on_progress, 0.1, 0.3)))
+    winds = notes.kept("winds", tree.content, lambda: _unseen(plan, tree, _part(on_progress, 0.3, 0.5)))
     save_small(error_figure(winds), folder / f"errors-{name}.png")
     elements = by_elements(notes, table, source, tree.content, _part(on_progress, 0.5, 0.8))
     search = notes.kept(
@@ -115,12 +121,18 @@ def _measure(
         "modes": source.subspace.modes,
         "gestures": gestures.figures,
         "directions": directions.figures,
+        "gusts": in_gusts,
         "winds": winds,
         "elements": elements,
         "search": search,
         "memory": memory(table, tree.table_bytes, source),
         "beyond": play_beyond_range(table, source, frames=1800 if not plan.quick else 200),
     }
+
+
+def _gusts(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
+    options = EvaluationOptions(frames=plan.frames, seed=plan.seed, workers=plan.workers)
+    return evaluate_in_gusts(tree.whole, tree.source, options, plan.cache_dir, on_progress)
 
 
 def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:

@@ -22,8 +22,8 @@ Rows = Iterable[Sequence[str]]
 
 def write_text(figures: dict[str, Any], plan: Plan, out: Path) -> None:
     """Write the page to ``out``; it shows the pictures in the folder of the same name beside it."""
-    parts = (_head, _winds, _gestures, _unseen, _elements, _directions, _forests, _memory, _search, _beyond,
-             _short, _unchecked)  # fmt: skip
+    parts = (_head, _gusts, _winds, _gestures, _unseen, _elements, _directions, _forests, _memory, _search,
+             _beyond, _short, _unchecked)  # fmt: skip
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text("\n\n".join(part(figures, out.stem) for part in parts) + "\n")
 
@@ -71,6 +71,32 @@ finite-element model that the table was built from:
 
 Errors are distances at the vertices of the wood, in per cent of the tree's height. HD is the symmetric
 Hausdorff distance between the two sets of displaced vertices."""
+
+
+def _gusts(figures: dict[str, Any], folder: str) -> str:
+    plan, rows = figures["plan"], list[list[str]]()
+    for name, found in figures["trees"].items():
+        for wind, case in found["gusts"].items():
+            modal, search = case["modal"], case.get("paper", {})
+            rows.append([
+                f"{name}, {wind}", f"{case['mean_speed_m_s']:.1f}", percent(case["reference_sway"], 1),
+                percent(modal["rms_error_of_rms_sway"], 0), percent(modal["max_error"]),
+                _number(modal["branches"]), percent(case["floor"]["rms_error_of_rms_sway"], 0),
+                percent(search["rms_error_of_rms_sway"], 0) if search else "–",
+            ])  # fmt: skip
+    head = ["tree, wind", "mean speed, m/s", "sway", "modal, RMS of sway", "modal, largest",
+            "modal, branches", "truncation, RMS of sway", "search, eased, RMS of sway"]  # fmt: skip
+    return f"""## In gusts
+
+The page and every forest play gusts that differ within a crown ([0020](design/0020-gusts.md)); the paper has
+none. The reference solution feels the same gusts at each of its nodes. Winds of the preset "Autumn gusts",
+{plan["frames"]} frames, seed {plan["seed"]}, two of them scaled to a sway. *Sway* and *largest* error: of any
+vertex, in per cent of the height. *RMS of sway*: root mean square of the error of all nodes over that of
+their sway about the mean pose, in per cent. *Branches*: motion of the outer half of the crown relative to the
+trunk, over that of the reference solution; 1 is right. All sections below this one have winds that are the
+same over the whole crown.
+
+{table(head, rows)}"""
 
 
 def _winds(figures: dict[str, Any], folder: str) -> str:
@@ -124,7 +150,7 @@ def _unseen(figures: dict[str, Any], folder: str) -> str:
         head = [name, "sway", "modal", "modal, RMS", "modal, growth", "search, eased", "search, literal",
                 "nearest sample", "rest pose", "truncation", "modal, rendered"]  # fmt: skip
         blocks += [table(head, rows), f"![Error over time, {name}]({folder}/errors-{name}.png)"]
-    return f"""## Twenty seconds of unseen winds
+    return f"""## Twenty seconds of unseen, uniform winds
 
 {plan["frames"]} frames of each wind, peaking at {plan["strength"]} of the strongest sampled speed, seed
 {plan["seed"]}. The tables give the largest error of any vertex in any frame, in per cent of the height.

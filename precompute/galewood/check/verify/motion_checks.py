@@ -24,6 +24,9 @@ from galewood.wood import wood_of_species
 PLATE_WOOD = wood_of_species("poplar")
 SCHEMES: tuple[tuple[Scheme, str], ...] = (("tr-bdf2", "TR-BDF2"), ("backward-euler", "backward Euler"))
 
+POLE_LENGTH_M, POLE_RADIUS_M, POLE_TIP_RADIUS_M = 8.0, 0.09, 0.03
+CROWN_FROM_M, CROWN_MASS_KG = 4.0, 25.0
+"""Of the laden pole: the crown hangs evenly above a height."""
 PLATE_M2, PLATE_MODES, PLATE_S = 20.0, 24, 6.0
 PLATE_START_M, PLATE_WIND_M_S = 0.03, 0.2
 FREQUENCY_LIMITS: dict[Scheme, float] = {"tr-bdf2": 0.003, "backward-euler": 0.02}
@@ -67,15 +70,17 @@ def ring_downs(model: FemModel) -> Iterator[Check]:
 
 def loaded_pole() -> FemModel:
     """A tapered pole of fast elements under gravity, with the mass of a crown on its upper half."""
-    bar = polygon_bar(sides=6, radius_m=0.09, length_m=8.0, layers=50, tip_radius_m=0.03)
-    crown = bar.vertices_m[:, 1] > 4.0
-    laden = replace(bar, mass_kg=np.where(crown, 25.0 / crown.sum(), 0.0))
+    bar = polygon_bar(
+        sides=6, radius_m=POLE_RADIUS_M, length_m=POLE_LENGTH_M, layers=50, tip_radius_m=POLE_TIP_RADIUS_M
+    )
+    crown = bar.vertices_m[:, 1] > CROWN_FROM_M
+    laden = replace(bar, mass_kg=np.where(crown, CROWN_MASS_KG / crown.sum(), 0.0))
     return build_model(laden, laden, PLATE_WOOD, laden, FemSettings())
 
 
 def with_crown_area(model: FemModel) -> FemModel:
     """The pole with 2 m² of drag area on its crown, and six times as much exposed to the air inside it."""
-    crown = model.nodes_m[:, 1] > 4.0
+    crown = model.nodes_m[:, 1] > CROWN_FROM_M
     area = np.where(crown, 2.0 / crown.sum(), 0.0)
     return replace(model, drag_area_m2=area, exposed_area_m2=6 * area)
 

@@ -41,8 +41,7 @@ def of_tree(mesh: BuiltinMesh, shipped: ShippedTree) -> Iterator[Check]:
     """Checks of one shipped tree."""
     with tempfile.TemporaryDirectory() as folder:
         cache = Path(folder)
-        (cache / "tets").mkdir()
-        (cache / "tets" / shipped.tets_name).write_bytes(shipped.tets)
+        shipped.keep_tetrahedra(cache)
         rebuilt, glb = _built(mesh, cache)
         table = decode(shipped.result.table, shipped.result.records)
         yield _frequencies(f"{mesh.name}, shipped: frequencies, same tetrahedra", table, rebuilt, SAME_MESH)

@@ -10,6 +10,7 @@ import typer
 from galewood.io.cli.build_command import register as register_build
 from galewood.io.cli.check_command import register as register_check
 from galewood.io.cli.convert_command import register as register_convert
+from galewood.io.cli.evaluate_command import register as register_evaluate
 from galewood.io.cli.export_command import register as register_export
 from galewood.io.cli.field_commands import register as register_field
 from galewood.io.cli.request_options import validated, with_options_of
@@ -21,11 +22,9 @@ from galewood.io.cli.tools import (
     console,
     progress_bar,
     progress_reporter,
-    without_frames,
     write_figures,
 )
 from galewood.io.cli.wind_options import WindOptions
-from galewood.options import EvaluationOptions
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood.pipeline.stages import BuiltinMesh
@@ -35,6 +34,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, help="Simulate, st
 
 register_check(app)
 register_build(app)
+register_evaluate(app)
 register_export(app)
 register_field(app)
 register_convert(app)
@@ -62,39 +62,6 @@ def simulate(
     figures = play(decode(table.read_bytes()), wind, seconds, trees, method)
     write_figures(json_out, figures)
     console.print_json(data=figures)
-
-
-@app.command()
-@with_options_of(EvaluationOptions, defaults={"converged": True})
-def evaluate(
-    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
-    mesh: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Mesh of the table; default: TABLE with .glb."),
-    ] = None,
-    model: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Model file (.npz); default: found in the cache."),
-    ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Plot of the errors over time to write.")] = None,
-    cache_dir: CacheDir = Path("data/cache"),
-    json_out: JsonOut = None,
-    **chosen: Any,
-) -> None:
-    """Compare a table with the finite-element model it was made from, in winds that were not sampled."""
-    from galewood.check.evaluation import SourceError, run_evaluation
-    from galewood.util import MeshError
-
-    options = validated(EvaluationOptions, chosen)
-    try:
-        with progress_bar() as bar:
-            report = progress_reporter(bar)
-            figures = run_evaluation(table, mesh, model, options, cache_dir, report, plot=plot)
-    except (MeshError, SourceError) as error:
-        console.print(f"[red]{error}[/red]")
-        raise typer.Exit(1) from None
-    write_figures(json_out, figures)
-    console.print_json(data=without_frames(figures))
 
 
 @app.command()

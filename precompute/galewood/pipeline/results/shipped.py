@@ -47,6 +47,12 @@ class ShippedTree:
     """Its name in the folder ``tets`` of a cache."""
     pictures: dict[str, bytes] = field(default_factory=dict[str, bytes])
 
+    def keep_tetrahedra(self, cache_dir: Path) -> None:
+        """Write the tetrahedra to where a build with this cache finds them."""
+        path = cache_dir / "tets" / self.tets_name
+        if not path.exists():
+            write_atomically(path, self.tets)
+
 
 def build_key(source: bytes, options: dict[str, Any]) -> str:
     """Hash of everything that a shipped tree was built from: mesh, options and versions of the formats."""

@@ -8,6 +8,7 @@ from .shipping import BuiltinMesh as BuiltinMesh
 from .shipping import builtin_meshes as builtin_meshes
 from .shipping import outdated as outdated
 from .shipping import ship as ship
+from .shipping import unpacked as unpacked
 from .stage import Progress as Progress
 from .stage import Stage as Stage
 from .training import TrainingModel as TrainingModel

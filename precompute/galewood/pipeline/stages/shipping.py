@@ -20,6 +20,7 @@ from galewood.pipeline.stages.artefacts import TETS_PREFIX
 from galewood.pipeline.stages.build import build_table
 from galewood.pipeline.stages.stage import Progress
 from galewood.pipeline.tables import BuildOptions
+from galewood.util import write_atomically
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,20 @@ def ship(
     tree = ShippedTree(result, published[tets_name], tets_name, pictures)
     write_shipped(folder, mesh.name, mesh.key, tree)
     return tree
+
+
+def unpacked(mesh: BuiltinMesh, folder: Path, cache_dir: Path) -> Path:
+    """The table file of a shipped tree with its records, written to ``cache_dir`` with its tetrahedra.
+
+    ``folder`` has the meshes of the built-in trees. Raises FileNotFoundError if nothing is shipped for it.
+    """
+    shipped = read_shipped(folder / SHIPPED_FOLDER, mesh.name, mesh.key)
+    if shipped is None:
+        raise FileNotFoundError(f"no shipped files for {mesh.name} and this version: run `galewood ship`")
+    shipped.keep_tetrahedra(cache_dir)
+    path = cache_dir / SHIPPED_FOLDER / f"{mesh.name}.gwt"
+    write_atomically(path, shipped.result.whole_table())
+    return path
 
 
 def outdated(folder: Path) -> Iterator[BuiltinMesh]:

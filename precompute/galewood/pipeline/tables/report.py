@@ -17,6 +17,12 @@ from galewood.solid.model import TreeModel
 from galewood.table import Metadata, Records, Table
 from galewood.tree import TreeMesh
 
+ERRORS_IN = (
+    "the training winds, which are the same over the whole crown; "
+    "`galewood evaluate` measures the error in gusts that differ within it"
+)
+"""What the errors in the report of a build refer to."""
+
 
 @dataclass(frozen=True)
 class Body:
@@ -60,6 +66,7 @@ def describe(
             "table_settings": asdict(options.table),
             "seed": options.seed,
             "sampled_elements": options.sampled_elements,
+            "target_tets": options.target_tets,
         },
     }
 
@@ -83,6 +90,7 @@ def build_report(
         "design_wind": asdict(wind),
         "table": {
             **{name: table.metadata[name] for name in ("modes", "errors")},
+            "errors_in": ERRORS_IN,
             "nodes": len(table.node_rest_m),
             "joints": len(table.joint_share),
             **(_of_records(records) if records else {}),

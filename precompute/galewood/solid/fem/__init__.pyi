@@ -23,6 +23,9 @@ from .model import save_model as save_model
 from .modes import Modes as Modes
 from .modes import natural_modes as natural_modes
 from .modes import tangent_modes as tangent_modes
+from .node_wind import NodePressure as NodePressure
+from .node_wind import Place as Place
+from .node_wind import node_pressures as node_pressures
 from .prestress import rest_prestress as rest_prestress
 from .prestress import strain_displacements as strain_displacements
 from .settings import Element as Element

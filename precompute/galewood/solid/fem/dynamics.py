@@ -66,7 +66,7 @@ class Simulator:
     @property
     def place_m(self) -> Floats:
         """(N,3) places of all nodes at gravity rest, m."""
-        return self.model.nodes_m + self.model.u_rest
+        return self.model.nodes_m
 
     @property
     def internal_force(self) -> Floats:

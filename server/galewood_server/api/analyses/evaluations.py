@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
-from galewood.options import EVALUATION_SEED, EvaluationSeed
+from galewood.options import EVALUATION_FRAMES, EVALUATION_SEED, EvaluationSeed
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sqlalchemy import select
 from sse_starlette import EventSourceResponse
@@ -38,8 +38,9 @@ JSON_CONTENT: dict[str, Any] = {"application/json": {"schema": {"type": "object"
 
 
 class EvaluationRequest(BaseModel):
-    """Body of POST /api/trees/{id}/evaluations. The wind strength is given by sway or by peak speed; by
-    default the winds peak at 0.65 of the table's design speed."""
+    """Body of POST /api/trees/{id}/evaluations. The tree is evaluated in gusts that differ within its crown,
+    then in winds that are the same over the whole crown. Their strength is given by sway; or that of the
+    uniform winds by their peak speed, by default 0.65 of the table's design speed."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -49,8 +50,12 @@ class EvaluationRequest(BaseModel):
         le=0.5,
         description="Sway of the tree under each wind, as a fraction of its height.",
     )
-    speed_m_s: float | None = Field(default=None, ge=0.5, le=60, description="Peak speed of each wind.")
-    frames: int = Field(default=300, ge=60, le=1800, description="Frames per wind, 1/30 s each.")
+    speed_m_s: float | None = Field(
+        default=None, ge=0.5, le=60, description="Peak speed of each uniform wind."
+    )
+    frames: int = Field(
+        default=EVALUATION_FRAMES, ge=60, le=1800, description="Frames per wind, 1/30 s each."
+    )
     seed: EvaluationSeed = EVALUATION_SEED
 
     @model_validator(mode="after")
@@ -61,8 +66,8 @@ class EvaluationRequest(BaseModel):
 
 
 class EvaluationOut(AnalysisOut):
-    """An evaluation job: its settings and, once it is done, the main figures by wind and method (`result`)
-    and the URLs of the full report (`report`) and of the error plot (`plot`)."""
+    """An evaluation job: its settings and, once it is done, the main figures in gusts and in uniform winds
+    (`result`) and the URLs of the full report (`report`) and of the error plot (`plot`)."""
 
     report: str | None
     plot: str | None

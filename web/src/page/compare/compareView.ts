@@ -11,9 +11,10 @@ import { reportOf } from "../server/reports";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
 import { ComparisonScene, type Shown } from "./comparisonScene";
-import { Curves, percent } from "./curves";
+import { Curves } from "./curves";
 import { compare } from "./request";
 import type { Tracks } from "./tracks";
+import { percent, verdictLines } from "./words";
 
 /** A tree that can be compared, its table in leaf, and the place of one of its instances. */
 export interface Candidate {
@@ -34,10 +35,12 @@ export interface ComparePage {
 }
 
 const LOOP_S = 10;
-const WORST_ERROR_SHARES = { fine: 0.002, coarse: 0.02 } as const;
+/** Error relative to the height that is shown in full red. */
+const WORST_ERROR_SHARE = 0.02;
 const WORDS =
   "The solid tree is animated from its table, like every tree in the forest. The blue ghost is the reference solution: " +
-  "a full finite element simulation in the current wind, computed on the server. Where they differ, the tree turns red.";
+  "a full finite element simulation in the current wind, computed on the server. Where they differ, the tree turns red. " +
+  "Both feel the gusts of the page, which are not the same on all branches.";
 
 export class CompareView {
   private readonly dialog = make("dialog", "", "compare");
@@ -50,7 +53,7 @@ export class CompareView {
   private readonly again = make("button", "Repeat with the current wind");
   private readonly scene: ComparisonScene;
   private readonly curves: Curves;
-  private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST_ERROR_SHARES.fine };
+  private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST_ERROR_SHARE };
   private tracks: Tracks | null = null;
   /** Whether the stiffness of the tree was chosen, in words. */
   private stiffness = "";
@@ -185,13 +188,12 @@ export class CompareView {
 
   private choose(method: Method): void {
     this.shown.method = method;
-    this.shown.worst = method === "paper" ? WORST_ERROR_SHARES.coarse : WORST_ERROR_SHARES.fine;
     this.showVerdict();
   }
 
   /** The paper's method can be chosen once the table has records. */
   private offerMethods(tracks: Tracks): void {
-    const missing = tracks.error.paper === null;
+    const missing = tracks.gusts.error.paper === null;
     for (const option of this.method.options) option.disabled = missing && option.value === "paper";
     if (!missing || this.shown.method === "modal") return;
     this.method.value = "modal";
@@ -223,15 +225,15 @@ export class CompareView {
     this.status.textContent = words;
   }
 
-  /** Summarizes the result for the chosen method. */
+  /** Summarizes the result for the chosen method, first that of the motion on display. */
   private showVerdict(): void {
     if (!this.tracks) return;
-    const { sway, error } = this.tracks;
-    const most = (share: readonly number[]) => percent(100 * Math.max(...share));
-    const { max, hausdorff } = error[this.shown.method] ?? error.modal;
-    this.verdict.textContent =
-      `Maximum displacement: ${most(sway)} % of tree height. Maximum error: ${most(max)} % of tree height ` +
-      `(Hausdorff distance ${most(hausdorff)} %). Full red marks an error of ${percent(100 * this.shown.worst)} %.`;
+    const { gusts, uniform } = this.tracks;
+    const { method } = this.shown;
+    this.verdict.replaceChildren(
+      ...verdictLines(gusts, uniform, method).map((line) => make("span", line)),
+      make("span", `Full red marks an error of ${percent(100 * this.shown.worst)} %.`),
+    );
     const foliage = this.foliage === "bare" ? "without leaves" : "in leaf";
     this.status.textContent = `Table ${foliage}; ${LOOP_S} s of this wind, starting from rest, in a loop. ${this.stiffness}`;
   }

@@ -2,6 +2,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Tracks } from "./tracks";
+import { percent } from "./words";
 
 const INK_COLOUR = "#cfd3d2";
 const GRID_STYLE = { stroke: "rgba(255,255,255,0.1)", width: 1 };
@@ -18,8 +19,6 @@ const line = (label: string, stroke: string, dash?: number[]) => ({
   points: { show: false },
   value: (_: uPlot, value: number | null) => (value === null ? "–" : `${percent(value)} %`),
 });
-
-export const percent = (value: number) => Number(value.toPrecision(2)).toString();
 
 export class Curves {
   private readonly plot: uPlot;
@@ -58,9 +57,9 @@ export class Curves {
       series: [
         { label: "time", value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },
         line("displacement", COLOURS.sway),
-        line("error, modal", COLOURS.modal),
-        line("Hausdorff distance, modal", COLOURS.modal, [3, 3]),
-        line("error, paper's search", COLOURS.paper),
+        line("error in gusts, modal", COLOURS.modal),
+        line("error in a uniform wind, modal", COLOURS.modal, [3, 3]),
+        line("error in gusts, paper's search", COLOURS.paper),
       ],
       hooks: { draw: [(plot) => this.drawNow(plot)] },
     };
@@ -77,12 +76,12 @@ export class Curves {
     ctx.restore();
   }
 
-  show({ frames, dt_s, sway, error }: Tracks): void {
+  show({ frames, dt_s, gusts, uniform }: Tracks): void {
     const time_s = Array.from({ length: frames }, (_, frame) => (frame + 1) * dt_s);
     const inPercent = (share: readonly number[]) =>
       share.map((value) => Math.min(Math.max(100 * value, DECADES[0]), DECADES[1]));
-    const { modal, paper } = error;
-    const drawn = [sway, modal.max, modal.hausdorff, paper?.max ?? []];
+    const { modal, paper } = gusts.error;
+    const drawn = [gusts.sway, modal.max, uniform.error.modal.max, paper?.max ?? []];
     this.plot.setData([time_s, ...drawn.map(inPercent)]);
   }
 

@@ -9,6 +9,14 @@ export interface Tracks {
   readonly modes: number;
   /** [frames, modes] coordinates of the table's modes, m; null for a method that the table cannot use. */
   readonly q: Readonly<Record<"fem" | "modal", Float32Array> & Record<"paper", Float32Array | null>>;
+  /** The errors of this motion, in gusts that differ within the crown. */
+  readonly gusts: Compared;
+  /** The errors in the same wind without these gusts: the same over the whole crown. */
+  readonly uniform: Compared;
+}
+
+/** Sway and errors in one wind. */
+export interface Compared {
   /** [frames] largest node displacement of the reference solution, relative to the height. */
   readonly sway: readonly number[];
   readonly error: Readonly<Record<"modal", Errors> & Record<"paper", Errors | null>>;
@@ -53,12 +61,7 @@ export function decodeTracks(file: Uint8Array): Tracks {
     throw wrong(`unsupported format ${String(all.format)}, version ${String(all.version)}`);
   const [frames, modes] = [number(all, "frames"), number(all, "modes")];
   const tracks = object(all.tracks, "the tracks are missing");
-  const errors = object(all.error, "the errors are missing");
   const recorded = (tracks.paper ?? null) !== null;
-  const errorOf = (name: Method): Errors => {
-    const of = object(errors[name], `the error of ${name} is missing`);
-    return { max: series(of, "max", frames), hausdorff: series(of, "hausdorff", frames) };
-  };
   return {
     frames,
     modes,
@@ -69,7 +72,19 @@ export function decodeTracks(file: Uint8Array): Tracks {
       modal: floats(tracks.modal, "modal", frames * modes),
       paper: recorded ? floats(tracks.paper, "paper", frames * modes) : null,
     },
-    sway: series(all, "sway", frames),
+    gusts: compared(all, frames, recorded),
+    uniform: compared(object(all.uniform, "the uniform wind is missing"), frames, recorded),
+  };
+}
+
+function compared(from: Json, frames: number, recorded: boolean): Compared {
+  const errors = object(from.error, "the errors are missing");
+  const errorOf = (name: Method): Errors => {
+    const of = object(errors[name], `the error of ${name} is missing`);
+    return { max: series(of, "max", frames), hausdorff: series(of, "hausdorff", frames) };
+  };
+  return {
+    sway: series(from, "sway", frames),
     error: { modal: errorOf("modal"), paper: recorded ? errorOf("paper") : null },
   };
 }

@@ -106,8 +106,8 @@ export interface Schemas {
     damaged: string[];
   };
   /**
-   * An evaluation job: its settings and, once it is done, the main figures by wind and method (`result`) and
-   * the URLs of the full report (`report`) and of the error plot (`plot`).
+   * An evaluation job: its settings and, once it is done, the main figures in gusts and in uniform winds
+   * (`result`) and the URLs of the full report (`report`) and of the error plot (`plot`).
    */
   EvaluationOut: {
     id: string;
@@ -126,13 +126,14 @@ export interface Schemas {
     plot: string | null;
   };
   /**
-   * Body of POST /api/trees/{id}/evaluations. The wind strength is given by sway or by peak speed; by default
-   * the winds peak at 0.65 of the table's design speed.
+   * Body of POST /api/trees/{id}/evaluations. The tree is evaluated in gusts that differ within its crown,
+   * then in winds that are the same over the whole crown. Their strength is given by sway; or that of the
+   * uniform winds by their peak speed, by default 0.65 of the table's design speed.
    */
   EvaluationRequest: {
     /** Sway of the tree under each wind, as a fraction of its height. */
     sway?: number | null;
-    /** Peak speed of each wind. */
+    /** Peak speed of each uniform wind. */
     speed_m_s?: number | null;
     /** Frames per wind, 1/30 s each. */
     frames?: number;

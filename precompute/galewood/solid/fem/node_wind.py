@@ -1,0 +1,72 @@
+"""A wind at the nodes of a model: its pressure at the tree, and the gusts that differ within the crown.
+
+The finite elements take these pressures (``Simulator.step``), so that a reference solution is in the same
+wind as the trees of a forest (``galewood.player.WindDrivenTrees``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from galewood.motion.wind import (
+    TreePressure,
+    WindField,
+    WindState,
+    crown_carried,
+    crown_field,
+    to_tree_frame,
+    write_gusts,
+)
+from galewood.solid.fem.model import FemModel
+from galewood.util import Floats
+
+
+@dataclass(frozen=True)
+class Place:
+    """Position and yaw of a tree, and the time of the wind's clock at which it is at rest."""
+
+    x_m: float = 0.0
+    z_m: float = 0.0
+    yaw_rad: float = 0.0
+    start_s: float = 0.0
+
+
+class NodePressure(NamedTuple):
+    """Pressures along x and z of the tree's own frame, Pa, in one time step."""
+
+    tree_pa: Floats  # (2,) at the tree
+    node_pa: Floats  # (N, 2) at each node
+    ratio: float
+    """Pressure at the tree before it was compressed, over the strongest one of the table."""
+
+
+def node_pressures(
+    model: FemModel, wind: WindState, place: Place, frames: int, *, height_m: float, most_pa: float
+) -> Iterator[NodePressure]:
+    """The wind of each time step, the first of which ends one step after ``place.start_s``.
+
+    ``height_m`` is the height of the tree in the wind profile. Winds stronger than ``most_pa``, Pa, are
+    compressed as those of a forest are; ``numpy.inf`` leaves them as they are.
+    """
+    field, dt_s = WindField(wind), model.settings.dt_s
+    x_m, z_m, size = np.array([place.x_m]), np.array([place.z_m]), np.ones(1)
+    exponent = model.streamlined_exponent
+    pressure = TreePressure(x_m, z_m, [height_m], most_pa, exponent, limited=False)
+    rest_m = np.ascontiguousarray(model.nodes_m)
+    turn = np.array([[np.cos(place.yaw_rad), np.sin(place.yaw_rad)]])
+    gusts = np.zeros((1, 2 * len(rest_m)))
+    for frame in range(frames):
+        time_s = place.start_s + (frame + 1) * dt_s
+        pressure.advance(field, time_s)
+        world, moment = (pressure.x_pa, pressure.z_pa), field.at(time_s)
+        field_of_crown, carried = crown_field(moment.crown.seed), crown_carried(moment)
+        write_gusts(field_of_crown, carried, rest_m, (x_m, z_m), turn, size, world, exponent, gusts)
+        x, z = (float(along[0]) for along in to_tree_frame(*world, place.yaw_rad))
+        along, across = gusts[0, 0::2], gusts[0, 1::2]
+        further = np.stack([along * x - across * z, along * z + across * x], axis=1)
+        tree_pa = np.array([x, z])
+        yield NodePressure(tree_pa, tree_pa + further, float(pressure.ratio[0]))
