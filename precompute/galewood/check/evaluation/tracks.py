@@ -22,7 +22,7 @@ from galewood.motion.wind import WindState
 from galewood.options import METHOD_NAMES, Method
 from galewood.solid.fem import FemModel, NodePressure, Place, Simulator, node_pressures
 from galewood.solid.skinning import points_embedding
-from galewood.table import Table, without_gusts
+from galewood.table import Table
 from galewood.util import Floats
 
 OnProgress = Callable[[float, str], None]
@@ -134,19 +134,19 @@ class _Comparing:
     ) -> Uniform:
         """Sway and errors under one pressure (frames, 2), Pa, for the whole crown."""
         reference = self.simulate(list(pressure_pa), on_progress)
-        table, makes = without_gusts(self._table), methods_of(self._table)
+        makes = methods_of(self._table)
         found: dict[str, Errors] = {}
         for name in methods:
-            q, _ = play_pressures(table, pressure_pa, makes[name])
+            q, _ = play_pressures(self._table, pressure_pa, makes[name])
             found[name] = self.errors(q, reference)
         return Uniform(self.farthest(reference), found)
 
     def moved(self, q: Floats) -> Floats:
-        """(frames, n, 3) displacement of the nodes, m, at coordinates of the first modes."""
-        return (q @ self.basis[:, : q.shape[1]].T).reshape(len(q), -1, 3)
+        """(frames, n, 3) displacement of the nodes, m."""
+        return (q @ self.basis.T).reshape(len(q), -1, 3)
 
     def errors(self, q: Floats, reference: Floats) -> Errors:
-        """Errors of coordinates q (frames, r) of the first modes."""
+        """Errors of coordinates q (frames, r)."""
         track, rest_m = self.moved(q), self._rest_m
         distances = [
             hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, reference, strict=True)

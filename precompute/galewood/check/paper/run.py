@@ -30,7 +30,7 @@ from galewood.check.paper.speed import by_elements, forests, memory
 from galewood.check.paper.text import write_text
 from galewood.options import EvaluationOptions
 from galewood.pipeline.stages import BuiltinMesh
-from galewood.table import Table, without_gusts
+from galewood.table import Table
 
 PEAK_SPEED_RATIO = 0.65
 """Peak speed of the unseen winds over the design speed."""
@@ -38,12 +38,8 @@ PEAK_SPEED_RATIO = 0.65
 
 @dataclass(frozen=True)
 class Tree:
-    """A tree's table and its source; ``content`` identifies the table in the cache.
+    """A tree's table and its source; ``content`` identifies the table in the cache."""
 
-    ``table`` is without its gust layer: the winds of the paper are the same over the whole crown.
-    """
-
-    whole: Table
     table: Table
     table_bytes: int
     source: Source
@@ -94,7 +90,7 @@ def _plan_figures(plan: Plan) -> dict[str, Any]:
 def _ready(plan: Plan, notes: Notes, mesh: BuiltinMesh, on_progress: OnProgress) -> Tree:
     table, path, render_glb = built(plan, notes, mesh, _part(on_progress, 0.0, 0.8))
     source = source_of(table, render_glb, plan.cache_dir, _part(on_progress, 0.8, 1.0), workers=plan.workers)
-    return Tree(table, without_gusts(table), path.stat().st_size, source, path.stem)
+    return Tree(table, path.stat().st_size, source, path.stem)
 
 
 def _measure(
@@ -132,7 +128,7 @@ def _measure(
 
 def _gusts(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
     options = EvaluationOptions(frames=plan.frames, seed=plan.seed, workers=plan.workers)
-    return evaluate_in_gusts(tree.whole, tree.source, options, plan.cache_dir, on_progress)
+    return evaluate_in_gusts(tree.table, tree.source, options, plan.cache_dir, on_progress)
 
 
 def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:

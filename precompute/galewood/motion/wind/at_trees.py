@@ -30,8 +30,8 @@ class TreePressure:
         """Create it for trees at x, z (n,), m, of a height (n,), m.
 
         ``most_pa`` is the strongest pressure of their table, and ``exponent`` their streamlined exponent.
-        Stronger winds are compressed as a whole (``compress_pressure``); ``limited``: each pressure is clamped
-        instead (``limit_pressure``).
+        Stronger winds are compressed as a whole (``compress_pressure``); ``limited``: each pressure is
+        clamped instead (``limit_pressure``).
         """
         self._x_m, self._z_m = np.array(x_m, np.float64), np.array(z_m, np.float64)
         self._height_m, self._limited = np.array(height_m, np.float64), limited
