@@ -22,7 +22,7 @@ DEFINITIONS = {
     "of their sway about the mean pose",
     "branches": "motion of the outer half of the crown relative to the trunk, over that of the reference "
     "solution (branches_m): 1 is right, 0 are branches that only follow the trunk",
-    "pressure_ratio": "strongest pressure of the wind over that of the table; above 1, it was compressed",
+    "pressure_ratio": "strongest pressure at the tree over that of the table, before it was compressed",
     "max_error": "largest distance of a vertex from the reference solution, over the height",
     "rms_error": "root mean square of that distance over all vertices and frames, over the height",
     "max_error_of_sway": "largest error over the largest displacement of the run (reference_sway × height)",
