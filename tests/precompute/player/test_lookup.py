@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 from galewood.player.paper_search import PaperForest, gaussian
-from galewood.table.format import decode, without_gusts
+from galewood.table.format import decode
 
 from tests.golden import GOLDEN_FOLDER
 from tests.golden.make import paper_steps
 
-TABLE = without_gusts(decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes()))
+TABLE = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
 DT_S = TABLE.metadata["dt_s"]
 STRONG = 0.7 * float(np.abs(TABLE.records.pressure_pa).max())
 

@@ -9,12 +9,12 @@ from galewood.pipeline.reduction.oscillators import propagators, response
 from galewood.pipeline.sampling.training_winds import noise, training_shapes
 from galewood.player.modal_forest import ModalForest
 from galewood.solid.fem.model import FemSettings
-from galewood.table.format import decode, without_gusts
+from galewood.table.format import decode
 
 from tests.golden.beam import Beam
 from tests.precompute.table.test_table import FILE
 
-TABLE = without_gusts(decode(FILE))
+TABLE = decode(FILE)
 DT_S = float(TABLE.metadata["dt_s"])
 HEIGHT_M = float(TABLE.metadata["height_m"])
 
