@@ -43,5 +43,10 @@ export function firstSwayOf(table: Table, stride: number, basis: Float32Array): 
     });
     tip_m_pa += 0.5 * Math.abs(sum);
   }
-  return { frequency_hz: Math.max(LEAST_HZ, first.frequency_hz), damping: first.damping, tip_m_pa, streamlined };
+  return {
+    frequency_hz: Math.max(LEAST_HZ, first.frequency_hz),
+    damping: first.damping,
+    tip_m_pa,
+    streamlined,
+  };
 }
