@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from galewood.motion.wind import PRESETS, Wind, WindField, crown_carried, crown_field, write_gusts
 from galewood.motion.wind.pressure import compress_pressure, compressed
-from galewood.pipeline.reduction import Exposure
 from galewood.pipeline.reduction.places import PLACE_COUNT, places_of
 from galewood.pipeline.sampling import CrownGusts
 from galewood.player import ModalForest, WindDrivenTrees, grid_placements
@@ -120,7 +119,8 @@ def test_the_places_estimate_the_gusts_at_the_nodes() -> None:
     rng = np.random.default_rng(seed)
     print("seed", seed)
     node_m = rng.uniform((-3, 2, -3), (3, 9, 3), (300, 3))
-    places = places_of(Exposure(rng.uniform(0.5, 1.5, 300), np.ones(300), np.ones(300), 1.3, node_m))
+    shapes, omega = rng.normal(size=(30, 900)), np.linspace(2.0, 9.0, 30)
+    places = places_of(rng.uniform(0.5, 1.5, 300), node_m, shapes, omega)
     assert places.count == PLACE_COUNT
     gap = np.square(node_m[:, None] - places.place_m[None]).sum(axis=2)
     nearest = np.argmin(gap, axis=1)
@@ -133,7 +133,7 @@ def test_the_places_estimate_the_gusts_at_the_nodes() -> None:
         errors.append(at @ places.weight.T - exact)
         nearest_errors.append(at[:, nearest] - exact)
     assert np.square(errors).mean() < 0.8 * np.square(nearest_errors).mean()
-    alone = places_of(Exposure(np.ones(4), np.ones(4), np.ones(4), 1.3, 5.0 * node_m[:4]))
+    alone = places_of(np.ones(4), 5.0 * node_m[:4], shapes[:, :12], omega)
     order = np.argmin(np.square(alone.place_m[:, None] - 5.0 * node_m[None, :4]).sum(axis=2), axis=1)
     assert np.allclose(alone.weight[order], np.eye(4), atol=0.1)
 

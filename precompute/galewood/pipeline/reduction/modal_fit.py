@@ -72,9 +72,10 @@ def fit_modal_model(
     drag = drag_points(ritz, typical_speed(modal))
     linear, mean = _Linear(step, ritz, drag), mean_gust(drag.point, drag.place)
     tables = [force_table(run, sway, limits, mean, settings.dt_s / 2) for run in modal]
-    starts = _first_forces(modal, tables, weights, linear, settings.dt_s)
-    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits, mean)
     count = force_terms(coupled_of(limits))
+    starts = _first_forces(modal, [table[:, :count] for table in tables], weights, linear, settings.dt_s)
+    starts = np.pad(starts, ((0, 0), (0, tables[0].shape[1] - count), (0, 0)))
+    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits, mean)
     relative, place_load = step.copy(), ritz.place_load
     relative[:, [0, 3]] -= 1.0
     tensors = (
@@ -141,7 +142,7 @@ def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:
 def _first_forces(
     runs: Sequence[ModalRun], tables: Sequence[Floats], weights: Floats, linear: _Linear, dt_s: float
 ) -> Floats:
-    """(ridges, F + 2G, d) coefficients of the terms, fitted to the error of each oscillator's linear step."""
+    """(ridges, F, d) coefficients of the force, fitted to the error of each oscillator's linear step."""
     forces = np.empty((len(START_RIDGES), tables[0].shape[1], len(linear.step)))
     known = [linear.motion(run, dt_s) for run in runs]
     for k, oscillator in enumerate(linear.step):

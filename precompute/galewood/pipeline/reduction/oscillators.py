@@ -88,7 +88,8 @@ class Oscillators:
 
 def in_gusts(body: Oscillators) -> Oscillators:
     """The body with the places of its crown."""
-    return replace(body, places=places_of(body.exposure))
+    of = body.exposure
+    return replace(body, places=places_of(of.area_m2 * of.share, of.place_m, body.shapes, body.omega))
 
 
 def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:

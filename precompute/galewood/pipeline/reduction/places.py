@@ -3,24 +3,29 @@
 The gust at a node is estimated from those at the places by kriging: the linear estimate with the smallest
 mean square error, for the crown field of `motion.wind.crown` in any wind direction. The estimate for a node
 between the places is weaker than the gust there, as it should be: what the places do not know averages out.
+
+The places are chosen one after the other, each where it adds most to the estimate of the forces on the first
+natural modes (orthogonal matching pursuit). Clusters of the crown's area leave nearly twice the error
+(docs/design/0020-gusts.md).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from galewood.motion.wind import crown_field, write_gusts
-from galewood.pipeline.reduction.clusters import clusters
-from galewood.util import Floats, Singles
+from galewood.util import Array, Floats, Singles
 
-if TYPE_CHECKING:
-    from galewood.pipeline.reduction.oscillators import Exposure
-
-PLACE_COUNT = 16
-FIELD_COUNT, FIELD_SAMPLES, FIELD_SEED = 6, 100, 4
+PLACE_COUNT = 24
+MODE_COUNT = 30
+"""Natural modes whose forces the places shall give."""
+CANDIDATE_COUNT = 500
+"""Nodes of which the places are chosen."""
+LEAST_NEWS = 0.05
+"""A place must add at least this share of its variance to what the other places know."""
+FIELD_COUNT, FIELD_SAMPLES, FIELD_SEED = 8, 150, 4
 """Crown fields, and their positions and headings, over which the covariance of the gusts is averaged."""
 FIELD_M = 48.0
 NUGGET = 1e-2
@@ -47,43 +52,64 @@ def no_places(nodes: int) -> Places:
     return Places(np.zeros((0, 3)), np.zeros((nodes, 0)))
 
 
-def places_of(exposure: Exposure) -> Places:
-    """Places of a crown: clusters of its nodes, weighted by the area with which they feel a steady wind."""
-    area = exposure.area_m2 * exposure.share
-    nodes = np.flatnonzero(area > 0)
-    if not len(nodes) or not len(exposure.place_m):
-        return no_places(len(exposure.area_m2))
-    where = exposure.place_m[nodes]
-    cluster = clusters(where, area[nodes], min(PLACE_COUNT, len(nodes)))
-    members = [cluster == g for g in range(int(cluster.max()) + 1)]
-    centres = np.array([np.average(where[m], axis=0, weights=area[nodes][m]) for m in members])
-    place_m = np.asarray(centres.astype(np.float32), np.float64)  # as in the table
-    weight = np.zeros((len(area), len(place_m)))
-    weight[nodes] = _kriging(place_m, where)
-    return Places(place_m, weight)
+def places_of(area_m2: Floats, place_m: Floats, shapes: Floats, omega: Floats) -> Places:
+    """Places of a crown whose nodes (n, 3), m, feel a steady wind with these areas (n,).
+
+    ``shapes`` (k, 3n) and ``omega`` (k,), 1/s, are its natural modes.
+    """
+    nodes = np.flatnonzero(area_m2 > 0)
+    if not len(nodes) or not len(place_m):
+        return no_places(len(area_m2))
+    gusts = _sampled_gusts(place_m[nodes])
+    sideways = shapes[:MODE_COUNT].reshape(-1, len(area_m2), 3)[:, nodes][:, :, [0, 2]]
+    # how far gusts move the nodes in each mode, about
+    reach = np.sqrt(np.square(shapes[:MODE_COUNT]).mean(axis=1)) / omega[:MODE_COUNT]
+    loads = area_m2[nodes][:, None, None] * sideways.transpose(1, 0, 2) * reach[:, None]
+    forces = gusts @ loads.reshape(len(nodes), -1).astype(np.float32)
+    candidates = np.arange(0, len(nodes), max(1, len(nodes) // CANDIDATE_COUNT))
+    chosen = candidates[_most_telling(gusts[:, candidates], forces, min(PLACE_COUNT, len(candidates)))]
+    weight = np.zeros((len(area_m2), len(chosen)))
+    weight[nodes] = _kriging(gusts, chosen)
+    return Places(np.asarray(place_m[nodes[chosen]].astype(np.float32), np.float64), weight)
 
 
-def _kriging(place_m: Floats, node_m: Floats) -> Floats:
-    """(n, G) weights of the gusts at places (G, 3) in the estimate of those at nodes (n, 3)."""
-    count = len(place_m)
-    gusts = _sampled_gusts(np.concatenate([place_m, node_m]))
-    among = gusts[:, :count].T @ gusts[:, :count]
-    among += NUGGET * np.trace(among) / count * np.eye(count)
-    return np.linalg.solve(among, gusts[:, :count].T @ gusts[:, count:]).T
+def _most_telling(gusts: Singles, forces: Singles, count: int) -> Array:
+    """The gusts (samples, n) from which the forces (samples, m) are estimated best, at most ``count``."""
+    left, unknown = forces.copy(), gusts.copy()
+    least = LEAST_NEWS * np.square(gusts).sum(axis=0)
+    chosen: list[int] = []
+    for _ in range(count):
+        news = np.square(unknown).sum(axis=0)
+        gain = np.square(unknown.T @ left).sum(axis=1) / np.maximum(news, 1e-30)
+        gain[news <= least] = -1.0
+        best = int(np.argmax(gain))
+        if gain[best] < 0:
+            break
+        chosen.append(best)
+        way = unknown[:, best] / np.sqrt(news[best])
+        left -= np.outer(way, way @ left)
+        unknown -= np.outer(way, way @ unknown)
+    return np.array(chosen)
+
+
+def _kriging(gusts: Singles, chosen: Array) -> Floats:
+    """(n, G) weights of the chosen ones of gusts (samples, n) in the estimates of all."""
+    own = gusts[:, chosen].astype(np.float64)
+    among = own.T @ own
+    among += NUGGET * np.trace(among) / len(chosen) * np.eye(len(chosen))
+    return np.linalg.solve(among, own.T @ gusts).T
 
 
 def _sampled_gusts(place_m: Floats) -> Singles:
     """(samples, n) components along and across the wind of gusts at places (n, 3), for all headings."""
     rng, ones = np.random.default_rng(FIELD_SEED), np.ones(FIELD_SAMPLES)
-    still, found = np.outer(ones, (1.0, 0.0)), list[Singles]()
+    found: list[Singles] = []
     for seed in range(FIELD_COUNT):
-        heading = rng.uniform(0, 2 * np.pi)
-        c, s = np.cos(heading), np.sin(heading)
         x_m, z_m = rng.uniform(0, FIELD_M, (2, FIELD_SAMPLES))
+        yaw_rad = rng.uniform(0, 2 * np.pi, FIELD_SAMPLES)
+        turn = np.stack([np.cos(yaw_rad), np.sin(yaw_rad)], axis=1)
         out = np.zeros((FIELD_SAMPLES, 2 * len(place_m)))
-        wind = (c * ones, s * ones)
-        write_gusts(
-            crown_field(seed), (c, s, 0.0, WEAK_INTENSITY), place_m, (x_m, z_m), still, ones, wind, 2.0, out
-        )
+        carried, wind = (1.0, 0.0, 0.0, WEAK_INTENSITY), (ones, 0.0 * ones)
+        write_gusts(crown_field(seed), carried, place_m, (x_m, z_m), turn, ones, wind, 2.0, out)
         found += [out[:, ::2].astype(np.float32), out[:, 1::2].astype(np.float32)]
     return np.concatenate(found)
