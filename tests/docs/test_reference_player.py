@@ -181,7 +181,9 @@ def test_gusts_within_crowns_are_the_golden_ones() -> None:
     for tree, (x, z), p, row in zip(
         trees[1:], places[1:], pressures, np.reshape(said["gusts"], (3, -1))[1:], strict=True
     ):
-        found = winds.crown_gusts(wind, field, tree.places(tree.t["modal.place"], x, z), p, 7.25)
+        found = winds.crown_gusts(
+            wind, field, tree.places(tree.t["modal.place"], x, z), p, 7.25, tree.exponent
+        )
         np.testing.assert_allclose(found.ravel(), row, atol=1e-12)
     frames = said["frames"] // len(said["winds"])
     velocity = winds.spectral(wind)

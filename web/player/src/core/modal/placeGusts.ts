@@ -29,13 +29,7 @@ export class PlaceGusts {
    * Writes what the pressures at the G places of tree i are in addition to that at the tree (px, pz), Pa, all in the
    * frame of the tree: along x at all places, then along z. Returns whether there are gusts; otherwise `out` is unchanged.
    */
-  write(
-    trees: CrownInstances,
-    i: number,
-    px: number,
-    pz: number,
-    out: Float64Array | Float32Array,
-  ): boolean {
+  write(trees: CrownInstances, i: number, px: number, pz: number, out: Float64Array | Float32Array): boolean {
     const { relative, field } = this;
     const strength = Math.sqrt(px * px + pz * pz);
     const places = relative.length / 2;

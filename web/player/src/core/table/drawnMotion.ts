@@ -47,12 +47,6 @@ export function drawnBuffers(motion: DrawnMotion): ArrayBuffer[] {
   const { basis, turn, rest_m, parent, levels } = motion;
   const { jointNodes, jointShare, jointRest_m, vertexJoint } = motion;
   const own = [basis, turn, rest_m, parent, jointNodes, jointShare, jointRest_m, vertexJoint];
-  const ofLevels = levels.flatMap((level) => [
-    level.of,
-    level.basis,
-    level.turn,
-    level.rest_m,
-    level.parent,
-  ]);
+  const ofLevels = levels.flatMap((level) => [level.of, level.basis, level.turn, level.rest_m, level.parent]);
   return [...new Set([...own, ...ofLevels].map(({ buffer }) => buffer))];
 }

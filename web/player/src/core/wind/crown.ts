@@ -66,6 +66,7 @@ export interface CrownInstances {
 /** The crown turbulence of a wind at one moment. */
 export class CrownGusts {
   private field = new Float64Array(0);
+  private readonly frame = new Float64Array(8);
   private seed = Number.NaN;
   private cos = 1;
   private sin = 0;
@@ -96,40 +97,73 @@ export class CrownGusts {
    * in addition to that at the tree, along it and across it, over its strength.
    */
   write(places: Places, trees: CrownInstances, i: number, pressure_pa: number, out: Float64Array): void {
-    const { cos, sin, field, intensity } = this;
+    const { field, intensity } = this;
     if (intensity === 0 || pressure_pa === 0) {
       out.fill(0);
       return;
     }
     const growth = pressure_pa > STREAMLINING_PRESSURE_PA ? this.exponent : 2;
-    const size = trees.size[i];
-    const c = trees.turn[2 * i];
-    const s = trees.turn[2 * i + 1];
+    const frame = this.frameOf(trees, i);
     for (let at = 0, to = 0; to < out.length; at += 3, to += 2) {
-      const x = trees.x[i] + size * (c * places[at] + s * places[at + 2]);
-      const z = trees.z[i] + size * (c * places[at + 2] - s * places[at]);
-      const y = size * places[at + 1];
-      const along = (cos * x + sin * z - this.distance_m + CROWN_LEAN_ALONG * y) / CROWN_CELL_M;
-      const across = (cos * z - sin * x + CROWN_LEAN_ACROSS * y) / CROWN_CELL_M + CROWN_SLANT * along;
+      const x = places[at];
+      const y = places[at + 1];
+      const z = places[at + 2];
+      const along = frame[0] + frame[1] * x + frame[2] * y + frame[3] * z;
+      const across = frame[4] + frame[5] * x + frame[6] * y + frame[7] * z + CROWN_SLANT * along;
       const column = Math.floor(along);
       const row = Math.floor(across);
       const t = along - column;
       const w = across - row;
-      const left = column & (CROWN_CELLS - 1);
-      const right = (column + 1) & (CROWN_CELLS - 1);
-      const near = (row & (CROWN_CELLS - 1)) * CROWN_CELLS;
-      const far = ((row + 1) & (CROWN_CELLS - 1)) * CROWN_CELLS;
-      for (let side = 0; side < 2; side++) {
-        const a = field[2 * (near + left) + side];
-        const b = field[2 * (far + left) + side];
-        const first = a + t * (field[2 * (near + right) + side] - a);
-        const last = b + t * (field[2 * (far + right) + side] - b);
-        const gust = Math.min(
-          Math.max(intensity * (first + w * (last - first)), -CROWN_MOST_GUST),
-          CROWN_MOST_GUST,
+      const left = 2 * (column & (CROWN_CELLS - 1));
+      const right = 2 * ((column + 1) & (CROWN_CELLS - 1));
+      const near = 2 * CROWN_CELLS * (row & (CROWN_CELLS - 1));
+      const far = 2 * CROWN_CELLS * ((row + 1) & (CROWN_CELLS - 1));
+      const nearLeft = (1 - t) * (1 - w);
+      const nearRight = t * (1 - w);
+      const farLeft = (1 - t) * w;
+      const farRight = t * w;
+      out[to] =
+        growth *
+        held(
+          intensity *
+            (nearLeft * field[near + left] +
+              nearRight * field[near + right] +
+              farLeft * field[far + left] +
+              farRight * field[far + right]),
         );
-        out[to + side] = side === 0 ? gust * growth : gust;
-      }
+      out[to + 1] = held(
+        intensity *
+          (nearLeft * field[near + left + 1] +
+            nearRight * field[near + right + 1] +
+            farLeft * field[far + left + 1] +
+            farRight * field[far + right + 1]),
+      );
     }
   }
+
+  /**
+   * Of tree i: the cell along the wind of its origin and per metre along its x, y and z, then the same across the wind
+   * without the slant.
+   */
+  private frameOf({ x, z, turn, size }: CrownInstances, i: number): Float64Array {
+    const { cos, sin, frame } = this;
+    const scale = size[i] / CROWN_CELL_M;
+    // three.js rotation.y: x of the tree is (c, -s) in the world, z is (s, c).
+    const c = turn[2 * i];
+    const s = turn[2 * i + 1];
+    frame[0] = (cos * x[i] + sin * z[i] - this.distance_m) / CROWN_CELL_M;
+    frame[1] = scale * (cos * c - sin * s);
+    frame[2] = scale * CROWN_LEAN_ALONG;
+    frame[3] = scale * (cos * s + sin * c);
+    frame[4] = (cos * z[i] - sin * x[i]) / CROWN_CELL_M;
+    frame[5] = scale * (-cos * s - sin * c);
+    frame[6] = scale * CROWN_LEAN_ACROSS;
+    frame[7] = scale * (cos * c - sin * s);
+    return frame;
+  }
+}
+
+/** A gust within its limits. */
+function held(gust: number): number {
+  return Math.min(Math.max(gust, -CROWN_MOST_GUST), CROWN_MOST_GUST);
 }
