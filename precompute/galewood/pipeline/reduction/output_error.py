@@ -37,7 +37,7 @@ RIDGE_PENALTY = 1e-2
 PLACE_PENALTY = 100.0
 """Penalty on the corrections of the places' loads over that on the other coefficients.
 
-The loads follow from the field of the gusts; two dozen runs say less about them than they say about the force.
+The loads follow from the field of the gusts; two dozen runs say less about them than about the force.
 """
 MAX_ITERATIONS = 100
 FIRST_STEP = 1 / 30
