@@ -30,7 +30,7 @@ class Size:
     """Natural modes that the oscillators are combined from."""
 
 
-STANDARD_SIZE = Size(24, 8, 100)
+STANDARD_SIZE = Size(24, 4, 100)
 
 
 def size_for(modes: int | None) -> Size:
