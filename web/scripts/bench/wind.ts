@@ -39,7 +39,7 @@ function benchModel(model: WindModel, trees: number, frames: number): WindTiming
   const out = [new Float32Array(trees), new Float32Array(trees)];
   const taken = Array.from({ length: frames + 1 }, (_, frame) => {
     const start = performance.now();
-    field.pressure(x, z, field.at(frame * FRAME_S), out[0], out[1], LEAF_EXPONENT);
+    field.pressure(x, z, field.at(frame * FRAME_S), out[0], out[1], TREE_EXPONENT);
     return performance.now() - start;
   });
   const [prepare_ms, ...rest] = taken;

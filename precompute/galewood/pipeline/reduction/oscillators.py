@@ -26,7 +26,7 @@ REDUCTION_DEPTH = 0.5
 REDUCTION_S = 6.0
 GUSTY_WINDS, GUSTY_S = 14, 10.0
 """Noise, which selects the modes beyond the first ones."""
-CROWN_WINDS, CROWN_INTENSITY = 10, 0.45
+CROWN_WINDS, GUST_INTENSITY = 10, 0.45
 CROWN_SPEEDS_M_S = (4.0, 18.0)
 """Winds with gusts within the crown, which pass at speeds between these."""
 GUSTY_MEAN, GUSTY_INTENSITY, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
@@ -207,7 +207,7 @@ def crown_winds(dt_s: float, exponent: float) -> list[tuple[Floats, CrownGusts]]
     for k, speed_m_s in enumerate(np.linspace(*CROWN_SPEEDS_M_S, CROWN_WINDS).tolist()):
         heading = k * GOLDEN_RAD
         x_m, z_m = rng.uniform(0, 48.0, 2).tolist()
-        gusts = CrownGusts(k, x_m, z_m, heading, speed_m_s, CROWN_INTENSITY, exponent)
+        gusts = CrownGusts(k, x_m, z_m, heading, speed_m_s, GUST_INTENSITY, exponent)
         winds.append((np.outer(pressure, (np.cos(heading), np.sin(heading))), gusts))
     return winds
 

@@ -41,7 +41,7 @@ export interface Schemas {
     frames?: number;
     /** Seed of the training winds. */
     seed?: number;
-    /** Oscillators of the modal model; default: 16, or 32 where the training error needs it. */
+    /** Oscillators of the modal model; default: 24. */
     modes?: number | null;
     /** Compute the records of the paper's method after the table. */
     paper?: boolean;
