@@ -171,7 +171,8 @@ def stiffening_pair() -> ModalTensors:
     none = np.zeros((11, 0)), np.array([1.0, 6.0, 60.0]), np.zeros((0, 2)), np.zeros((3, 0, 2)), np.zeros(2)
     places = np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((2, 2, 0))
     tensors = (step, 0.1 * np.eye(2), np.eye(2), force, np.ones(2), *none, *places)
-    return ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors), 1.3)
+    singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
+    return ModalTensors(*singles, streamlined_exponent=1.3)
 
 
 def test_a_linear_model_follows_a_nonlinear_one_after_the_fit() -> None:

@@ -55,7 +55,10 @@ def evaluate(
     given = None
     if winds is not None:
         time_s: Floats = dt_s * np.arange(1, frames + 1, dtype=np.float64)
-        given = {name: pressure_at_origin(wind, table.height_m, time_s) for name, wind in winds.items()}
+        exponent = table.table.streamlined_exponent
+        given = {
+            name: pressure_at_origin(wind, table.height_m, time_s, exponent) for name, wind in winds.items()
+        }
     with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
         mesh = Path(folder, "tree.glb")
         if table.render_glb is None:

@@ -35,7 +35,7 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
     if not len(nodes):
         shapes = ((0, 2), (3, 0, d), (d,), (0, own.places.count))
         nothing = (np.zeros(shape, np.float32) for shape in shapes)
-        return DragPoints(*nothing, own.exposure.streamlined_exponent)
+        return DragPoints(*nothing, streamlined_exponent=own.exposure.streamlined_exponent)
     profile = own.exposure.profile[nodes]
     motion = own.shapes.reshape(d, -1, 3)[:, nodes].transpose(1, 2, 0) / profile[:, None, None]
     # A node's force acts on the oscillators by its displacement, not by that over the profile.
@@ -54,4 +54,4 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
         felt = sheltered[inside] / max(float(sheltered[inside].sum()), 1e-30)
         place[j] = felt @ own.places.weight[nodes][inside]
     tensors = (tensor.astype(np.float32) for tensor in (point, shape, rest, place))
-    return DragPoints(*tensors, own.exposure.streamlined_exponent)
+    return DragPoints(*tensors, streamlined_exponent=own.exposure.streamlined_exponent)

@@ -64,7 +64,7 @@ def linear_motion(
         drag.point, drag.shape, drag.rest, drag.place, own.places.place_m, own.place_load,
     )  # fmt: skip
     singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
-    modal = ModalTensors(*singles, drag.streamlined_exponent)
+    modal = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
     return LinearMotion(modal, subspace, [run.q for run in runs])
 
 

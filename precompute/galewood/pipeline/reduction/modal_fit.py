@@ -82,7 +82,8 @@ def fit_modal_model(
         relative, ritz.load, sway, starts[0][:count], shown, pose, limits,
         drag.point, drag.shape, drag.rest, drag.place, ritz.places.place_m, place_load,
     )  # fmt: skip
-    first = ModalTensors(*(_single(tensor) for tensor in tensors), drag.streamlined_exponent)
+    singles = (_single(tensor) for tensor in tensors)
+    first = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
     force = fitted_force(first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s)
     corrected = place_load + force[count:].T.reshape(place_load.shape)
     return replace(first, force=_single(force[:count]), place_load=_single(corrected))

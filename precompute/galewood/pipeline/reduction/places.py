@@ -28,7 +28,7 @@ LEAST_NEWS = 0.05
 FIELD_COUNT, FIELD_SAMPLES, FIELD_SEED = 8, 150, 4
 """Crown fields, and their positions and headings, over which the covariance of the gusts is averaged."""
 FIELD_M = 48.0
-NUGGET = 1e-2
+NUGGET_SHARE = 1e-2
 """Share of the variance added to that of each place, so that places near each other are no difficulty."""
 WEAK_INTENSITY = 1e-3
 """So weak that no gust is limited."""
@@ -96,7 +96,7 @@ def _kriging(gusts: Singles, chosen: Array) -> Floats:
     """(n, G) weights of the chosen ones of gusts (samples, n) in the estimates of all."""
     own = gusts[:, chosen].astype(np.float64)
     among = own.T @ own
-    among += NUGGET * np.trace(among) / len(chosen) * np.eye(len(chosen))
+    among += NUGGET_SHARE * np.trace(among) / len(chosen) * np.eye(len(chosen))
     return np.linalg.solve(among, own.T @ gusts).T
 
 
