@@ -101,10 +101,10 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
     of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
     drag, inside = model.drag(), slice(model.vertex_count)
-    parts = (values[inside] for values in (drag.exposed_m2, drag.share, drag.profile))
     exposure = Exposure(
-        *parts, streamlined_exponent=model.streamlined_exponent, place_m=model.nodes_m[inside]
-    )
+        drag.exposed_m2[inside], drag.share[inside], drag.profile[inside], model.streamlined_exponent,
+        model.nodes_m[inside],
+    )  # fmt: skip
     return in_gusts(Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure))
 
 
