@@ -43,6 +43,8 @@ SHORT_IF_ASKED = 0.85
 FAR_SHARE = 0.15
 """Share of the leaf area far from all wood from which branches are added, and of fronds without a rib."""
 MOST_BRANCHES, MOST_FRONDS = 16, 48
+MOST_EXAMINED = 10 * MOST_FRONDS
+"""Pieces, the largest ones, that are examined for being fronds: of more pieces as large, most are not."""
 FROND_SIZE = 0.15
 """Shortest frond that gets a rib, relative to the height."""
 MAX_WOODED_LENGTH_SHARE = 0.5
@@ -186,10 +188,12 @@ class _Grower:
         found: dict[int, list[AddedLine]] = {}
         ribs: list[AddedLine] = []
         area = self._clumps.area_m2
-        large = self._clumps.radius_m > 0.2 * FROND_SIZE * self._height_m
+        radius_m = self._clumps.radius_m
+        large = np.flatnonzero(radius_m > 0.2 * FROND_SIZE * self._height_m)
+        large = large[np.argsort(-radius_m[large], kind="stable")][:MOST_EXAMINED]
         if area[large].sum() <= least * area.sum():
             return
-        for number in np.flatnonzero(large).tolist():
+        for number in np.sort(large).tolist():
             own = self._ribs(self._clumps.corners_of(number))
             if own:
                 found[number] = own

@@ -18,7 +18,7 @@ FLOATING_HEIGHT_SHARE = 0.1  # of the scene's height above the ground
 MIN_TREE_HEIGHT_SHARE = 0.3  # height of a tree, of the tallest
 MIN_FOLIAGE_SHARE = 0.15  # least share of foliage in the area of a tree; bare trees must be TALL_BARE
 TALL_BARE = 0.5
-MIN_TRUNK_THICKNESS_RATIO = 0.25  # least thickness of a trunk, of the thickest: limbs that hang low are none
+MIN_TRUNK_THICKNESS_RATIO = 0.33  # least thickness of a trunk, of the thickest: limbs that hang low are none
 MIN_TRUNK_DISTANCE_RATIO = 0.35  # least distance of the trunks of two trees, of their height
 
 
