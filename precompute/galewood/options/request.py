@@ -87,6 +87,12 @@ class ImportRequest(BaseModel):
         "fronds, stems of a bush. It bends, but is not drawn. Default: where the foliage needs it.",
     )
 
+    accept: bool | None = Field(
+        default=None,
+        description="Accept what the import found without asking: what is left out, uncertain pieces, the "
+        "up axis, the size.",
+    )
+
     @field_validator("species")
     @classmethod
     def _known(cls, name: str | None) -> str | None:

@@ -24,12 +24,13 @@ from galewood.tree.pieces.classification import (
 )
 from galewood.tree.pieces.groups import Group
 from galewood.tree.pieces.pieces import find_pieces
+from galewood.tree.pieces.questions import LEFT_OUT_SHARE
 from galewood.tree.pieces.report import pieces_report
 from galewood.tree.render_mesh import render_glb
 from galewood.tree.repair import Surface
 from galewood.tree.scan_ground import without_ground
-from galewood.tree.species_names import guess_species
-from galewood.tree.surface import solid_wood
+from galewood.tree.species_names import guess_species, named_habit
+from galewood.tree.surface import Bodies, solid_wood
 from galewood.tree.types import KINDS, RenderPrimitive, TreeMesh
 from galewood.tree.unit import choose_scale
 from galewood.util import Floats, Ints, MeshError, shown_text
@@ -57,21 +58,30 @@ def read_tree(data: bytes, filename: str, options: ImportRequest | None = None) 
     content = read_parts(data, filename, options)
     file_format = content.file_format
     parts, up, classified = classify_content(content, options)
-    pieces, warnings = classified.parts, classified.warnings
+    pieces, warnings, questions = classified.parts, classified.warnings, list(classified.questions)
     _check_wood(pieces, classified.groups, options)
     species, species_reason = guess_species(options.species, filename, parts)
-    wood, strays, repairs, wood_warnings = _solid(pieces)
-    pieces = without_strays(pieces, wood.vertices, strays) if wood else pieces
+    wood, bodies, repairs, wood_warnings = _solid(pieces)
+    if wood:
+        drawn, pieces = pieces, without_strays(pieces, wood.vertices, bodies)
+        questions += _lost(_face_count(drawn), _face_count(pieces))
     raw_height = content.qsm["height_m"] if content.qsm else _height(pieces)
-    scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options)
+    habit = _habit(filename, classified)
+    scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options, habit)
     origin = _base_centre(wood) if wood else foot_of_leaves([s.part for s in pieces])[0]
     pieces = [replace(s, part=_transformed(s.part, np.eye(3), origin, scale)) for s in pieces]
     grown = _completed(wood, origin, scale, pieces, False if content.qsm else options.complete)
     warnings = [*warnings, *(grown.warnings or _short_wood(pieces))]
-    if up.assumed:
-        unsure = "Unsure about the up axis: choose it if the tree lies on its side. " if up.unsure else ""
-        warnings.append(f"{unsure}The up axis is assumed to be {signed(up.value)}: {up.reason}.")
-    if unit.value not in ("m", "given"):
+    if up.unsure:
+        questions.append(
+            "Unsure about the up axis: choose it if the tree lies on its side. "
+            f"It is assumed to be {signed(up.value)}: {up.reason}."
+        )
+    elif up.assumed:
+        warnings.append(f"The up axis is assumed to be {signed(up.value)}: {up.reason}.")
+    if unit.unsure:
+        questions.append(f"Unsure about the size: {unit.reason}. Give the height.")
+    elif unit.value not in ("m", "given"):
         warnings.append(f"The unit is assumed: {unit.reason}.")
     report: dict[str, Any] = {
         "file": {"name": shown_text(filename), "format": file_format, "bytes": len(data)},
@@ -87,6 +97,7 @@ def read_tree(data: bytes, filename: str, options: ImportRequest | None = None) 
             "metres_per_unit": scale,
             "reason": unit.reason,
             "assumed": unit.assumed,
+            "unsure": unit.unsure,
         },
         "height_m": raw_height * scale,
         "species": {"value": species, "reason": species_reason},
@@ -95,6 +106,8 @@ def read_tree(data: bytes, filename: str, options: ImportRequest | None = None) 
         "repairs": repairs,
         "roots": {"origin_in_file": origin.tolist(), "clamped_lowest_share": BASE_SLAB},
         "warnings": content.warnings + warnings + wood_warnings,
+        "questions": questions,
+        "needs_review": bool(questions) and not options.accept,
     }
     if content.qsm:
         report["qsm"] = content.qsm
@@ -185,10 +198,31 @@ def _check_volume(vertices: Floats) -> None:
         )
 
 
-def _solid(pieces: list[ClassifiedPart]) -> tuple[Surface | None, Floats, dict[str, int], list[str]]:
+def _habit(filename: str, found: Classification) -> str | None:
+    """A kind of plant that is smaller than trees, if names say so, or a pot stands under it."""
+    labels = dict.fromkeys(label for group in found.groups for label in group.labels)
+    potted = any(group.what == "pot" for group in found.groups)
+    return next((h for h in map(named_habit, (filename, *labels)) if h), "pot plant" if potted else None)
+
+
+def _lost(before: int, after: int) -> list[str]:
+    """A question if many of the faces are no longer drawn."""
+    if before - after <= LEFT_OUT_SHARE * before:
+        return []
+    return [
+        f"{before - after:,} of {before:,} faces are left out, because they stand on the ground apart from "
+        "the largest body of wood. Check whether they belong to the tree."
+    ]
+
+
+def _face_count(pieces: list[ClassifiedPart]) -> int:
+    return sum(len(s.part.faces) for s in pieces)
+
+
+def _solid(pieces: list[ClassifiedPart]) -> tuple[Surface | None, Bodies, dict[str, int], list[str]]:
     """The drawn wood as in `solid_wood`; None if all is leaves."""
     if not any(s.kind == "wood" for s in pieces):
-        return None, np.zeros((0, 3)), {}, []
+        return None, Bodies(np.zeros((0, 3)), np.zeros((0, 3))), {}, []
     return solid_wood(welded_wood(pieces))
 
 

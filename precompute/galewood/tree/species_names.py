@@ -5,17 +5,32 @@ from __future__ import annotations
 import re
 
 from galewood.formats import RawPart
+from galewood.tree.pieces.names import spaced_name
 
-NAMES = {
-    "sycamore": r"sycamore|pseudoplatan",  # also called Acer pseudoplatanus, so before the maple
+SPECIES_NAMES = {
+    "sycamore": r"sycamore|pseudo ?platan",  # also called Acer pseudoplatanus, so before the maple
     "poplar": r"poplar|aspen|populus|cottonwood|pappel|peuplier",
-    "maple": r"maple|acer\b|ahorn|[ée]rable",
+    "maple": r"maple|\bacer\b|ahorn|[ée]rable|platano[iï]d",
     "apricot": r"apricot|prunus|peach|cherry|aprikose|abricot",
-    "ash": r"(?<![a-z])ash(?![a-z])|fraxinus|esche|fr[êe]ne",
+    "ash": r"\bash\b|fraxinus|\besche|fr[êe]ne",
     "birch": r"birch|betula|birke|bouleau",
-    "oak": r"(?<![a-z])oaks?(?![a-z])|quercus|eiche|ch[êe]ne",
-    "plane": r"(?<!pseudo)platan|plane.?tree",
+    "oak": r"\boaks?\b|quercus|(?<![a-z])eiche|ch[êe]ne",
+    "plane": r"platan(?!o[iï]d)|plane ?tree",
 }
+"""Patterns of names in which spaces separate words (`spaced_name`), in the order in which they are tried."""
+
+HABIT_NAMES = {
+    "bonsai": r"bonsai|盆栽",
+    "pot plant": r"\b(?:pot(?:ted)? ?plants?|house ?plants?|flower ?pot|zimmerpflanze)\b",
+    "bush": r"\b(?:bush(?:es)?|shrubs?|hedges?|busch|strauch|hecke|buisson|arbusto|cespuglio)\b|куст",
+}
+"""Patterns of names of plants that are smaller than trees, by kind."""
+
+
+def named_habit(text: str) -> str | None:
+    """A kind of small plant, if a name says so."""
+    spaced = spaced_name(text)
+    return next((kind for kind, known in HABIT_NAMES.items() if re.search(known, spaced, re.I)), None)
 
 
 def guess_species(given: str | None, filename: str, parts: list[RawPart]) -> tuple[str | None, str]:
@@ -23,7 +38,7 @@ def guess_species(given: str | None, filename: str, parts: list[RawPart]) -> tup
     if given:
         return given, "given"
     for text in [filename, *(label for part in parts for label in part.labels)]:
-        for species, pattern in NAMES.items():
-            if re.search(pattern, text, re.I):
+        for species, pattern in SPECIES_NAMES.items():
+            if re.search(pattern, spaced_name(text), re.I):
                 return species, f"named in {text[:80]!r}"
     return None, "no name indicates a species"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from galewood.tree.repair import (
@@ -20,16 +22,25 @@ ROOTED_HEIGHT_SHARE = 0.05  # relative to the wood's height; components must rea
 ROOTED_VOLUME_SHARE = 0.1  # relative to the volume of the largest body
 
 
-def solid_wood(wood: Surface) -> tuple[Surface, Floats, dict[str, int], list[str]]:
-    """Orient and close the wood; returns the surface, discarded vertices, repair counts and warnings.
+@dataclass(frozen=True)
+class Bodies:
+    """Vertices (n, 3) of bodies apart from the tree: those in the air, and those on the ground."""
 
-    The discarded vertices belong to separate bodies. Raises MeshError if nothing with a volume remains.
+    floating: Floats
+    grounded: Floats
+
+
+def solid_wood(wood: Surface) -> tuple[Surface, Bodies, dict[str, int], list[str]]:
+    """Orient and close the wood; returns the surface, other bodies, repair counts and warnings.
+
+    What floats apart from the wood is no wood: nothing carries it. Raises MeshError if nothing with a volume
+    remains.
     """
     faces, turned = agree_windings(wood.faces)
     capped, loops = cap(Surface(wood.vertices, faces))
     kept, dropped = _without_flat_pieces(capped)
     outward, inverted = face_outwards(kept)
-    alone, others, strays = _one_tree(outward)
+    alone, others, bodies = _one_tree(outward)
     repairs = {
         "faces_turned": turned,
         "holes_capped": loops,
@@ -42,11 +53,15 @@ def solid_wood(wood: Surface) -> tuple[Surface, Floats, dict[str, int], list[str
         warnings.append(f"{inverted} parts of the wood were inside out and have been reversed.")
     if loops:
         warnings.append(f"{loops} holes in the wood have been closed.")
+    if len(bodies.floating):
+        warnings.append(
+            "Pieces that float apart from the wood are taken for foliage: they move with the wood near them."
+        )
     if others:
         warnings.append(
             f"The file contains {others + 1} separate bodies; only the largest on the ground has been kept."
         )
-    return alone, strays, repairs, warnings
+    return alone, bodies, repairs, warnings
 
 
 def _without_flat_pieces(surface: Surface) -> tuple[Surface, int]:
@@ -71,41 +86,45 @@ def piece_boxes(surface: Surface, of_face: Ints, count: int) -> tuple[Floats, Fl
     return low, high
 
 
-def _one_tree(surface: Surface) -> tuple[Surface, int, Floats]:
+def _one_tree(surface: Surface) -> tuple[Surface, int, Bodies]:
     """Keep the components whose boxes are chained to the largest one on the ground.
 
-    Returns the surface, the number of discarded bodies and their vertices.
+    Returns the surface, the number of other bodies on the ground, and all other bodies.
     """
     count, of_face = face_components(surface.faces, len(surface.vertices))
     if count == 1:
-        return surface, 0, np.zeros((0, 3))
+        return surface, 0, Bodies(np.zeros((0, 3)), np.zeros((0, 3)))
     low, high = piece_boxes(surface, of_face, count)
     group = _chained(low, high, STRAY_GAP * float(np.ptp(surface.vertices[:, 1])))
     volumes = np.bincount(group, np.abs(signed_volumes(surface, of_face, count)))
     bottoms = np.full(len(volumes), np.inf)
     np.minimum.at(bottoms, group, low[:, 1])
     ground = float(low[:, 1].min()) + ROOTED_HEIGHT_SHARE * float(np.ptp(surface.vertices[:, 1]))
-    rooted = (bottoms <= ground) & (volumes >= ROOTED_VOLUME_SHARE * volumes.max())
-    if not rooted.any():
-        rooted = volumes == volumes.max()
+    grounded = bottoms <= ground
+    rooted = grounded & (volumes >= ROOTED_VOLUME_SHARE * np.where(grounded, volumes, 0.0).max())
     main = int(np.argmax(np.where(rooted, volumes, -1.0)))
-    keep = (group == main)[of_face]
-    strays = surface.vertices[np.unique(surface.faces[~keep])]
-    return compact(Surface(surface.vertices, surface.faces[keep])), len(volumes) - 1, strays
+    apart = np.arange(len(volumes)) != main
+
+    def points(bodies: np.ndarray) -> Floats:
+        return surface.vertices[np.unique(surface.faces[bodies[group][of_face]])]
+
+    kept = compact(Surface(surface.vertices, surface.faces[(group == main)[of_face]]))
+    return kept, int((apart & grounded).sum()), Bodies(points(apart & ~grounded), points(apart & grounded))
 
 
 def _chained(low: Floats, high: Floats, gap: float) -> Ints:
-    """Group number of each box; boxes closer than `gap` share a group."""
+    """Group number of each box; boxes closer than `gap` share a group. The largest boxes gather first."""
     group = np.full(len(low), -1, dtype=np.int32)
-    for number, start in enumerate(range(len(low))):
-        if group[start] >= 0:
-            continue
-        group[start] = number
-        stack = [start]
+    rest = np.argsort(-(high - low).sum(axis=1), kind="stable")  # the boxes without a group
+    number = -1
+    while len(rest):
+        number += 1
+        stack, rest = [int(rest[0])], rest[1:]
         while stack:
             i = stack.pop()
-            apart = np.maximum(np.maximum(low - high[i], low[i] - high), 0.0)
-            for j in np.flatnonzero((np.linalg.norm(apart, axis=1) <= gap) & (group < 0)):
-                group[j] = number
-                stack.append(int(j))
-    return np.unique(group, return_inverse=True)[1].astype(np.int32)
+            group[i] = number
+            apart = np.maximum(np.maximum(low[rest] - high[i], low[i] - high[rest]), 0.0)
+            near = np.einsum("ij,ij->i", apart, apart) <= gap**2
+            stack += rest[near].tolist()
+            rest = rest[~near]
+    return group

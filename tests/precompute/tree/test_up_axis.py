@@ -73,7 +73,8 @@ def test_a_careless_glb_is_turned_or_asked_for():
     report = read_tree(make.glb_bytes(lying), "tree.glb").report
     assert (upright["value"], upright["assumed"]) == ("y", False)
     assert report["up_axis"]["unsure"] or report["up_axis"]["value"] == "z"
-    assert any("up axis is assumed" in warning for warning in report["warnings"])
+    told = [*report["warnings"], *report["questions"]]
+    assert any("The up axis is assumed" in words or "Unsure about the up axis" in words for words in told)
 
 
 def test_a_tree_on_its_head_can_be_turned():

@@ -13,6 +13,7 @@ from galewood.io.cli.tools import (
     JsonOut,
     console,
     file_writer,
+    print_doubts,
     progress_bar,
     progress_reporter,
     write_figures,
@@ -40,6 +41,10 @@ AllTrees = Annotated[
         help="Build every tree of a file with several: OUT-1.gwt, ... A failure does not stop the rest.",
     ),
 ]
+TO_ANSWER = (
+    "Choose with --wood-parts, --leaves, --drop, --up-axis or --height-m; `galewood check FILE --preview PNG`"
+    " shows the tree. To take it as it was found: --accept."
+)
 
 
 @with_options_of(BuildOptions, without=("wood",))
@@ -124,12 +129,15 @@ def _build_one(
     from galewood.pipeline.tables import expected_motion, import_lines, motion_lines, tree_lines
     from galewood.solid.skinning import distortion_line
     from galewood.tree import TreeMesh
+    from galewood.util import MeshError
 
     def report_import(tree: TreeMesh) -> None:
         for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.own_wood))]:
             console.print(line, highlight=False, markup=False)
-        for warning in tree.report["warnings"]:
-            console.print(f"[yellow]Warning:[/yellow] {warning}")
+        print_doubts(tree.report)
+        if tree.report["needs_review"]:
+            title = "Nothing is computed before this is checked."
+            raise MeshError("needs-review", "unsuitable", title, TO_ANSWER)
 
     with progress_bar() as bar:
         report = progress_reporter(bar)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from galewood.io.cli.request_options import Mesh, validated, with_options_of
-from galewood.io.cli.tools import JsonOut, console, write_figures
+from galewood.io.cli.tools import JsonOut, console, print_doubts, write_figures
 from galewood.options import ImportRequest
 
 WITH_WARNINGS = 3
@@ -20,7 +20,7 @@ Preview = Annotated[
     ),
 ]
 Strict = Annotated[
-    bool, typer.Option("--strict", help=f"Exit with code {WITH_WARNINGS} if there are warnings.")
+    bool, typer.Option("--strict", help=f"Exit with code {WITH_WARNINGS} if there are warnings or questions.")
 ]
 PREVIEW_PX = 768
 
@@ -31,7 +31,7 @@ def check(
 ) -> None:
     """Inspect a tree mesh: parts, assumptions, warnings, first frequency and expected sway.
 
-    Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings (only with --strict).
+    Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings or questions (with --strict).
     """
     from galewood.formats import mesh_with_companions
     from galewood.pipeline.pictures import draw_limited
@@ -52,10 +52,8 @@ def check(
     write_figures(json_out, tree.report)
     for line in [*import_lines(tree.report), *motion_lines(tree.report["expected"])]:
         console.print(line, highlight=False, markup=False)
-    warnings = tree.report["warnings"]
-    for warning in warnings:
-        console.print(f"[yellow]Warning:[/yellow] {warning}")
-    if strict and warnings:
+    print_doubts(tree.report)
+    if strict and (tree.report["warnings"] or tree.report["needs_review"]):
         raise typer.Exit(WITH_WARNINGS)
 
 

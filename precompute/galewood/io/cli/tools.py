@@ -30,6 +30,13 @@ def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
         path.write_text(json.dumps(figures, indent=2, default=float) + "\n")
 
 
+def print_doubts(report: Mapping[str, Any]) -> None:
+    """Print the warnings and the questions of an import."""
+    for word, texts in (("Warning", report["warnings"]), ("Please check", report["questions"])):
+        for text in texts:
+            console.print(f"[yellow]{word}:[/yellow] {text}")
+
+
 def print_report(figures: Mapping[str, str], notes: Iterable[str]) -> None:
     """Print how a file was interpreted."""
     for line in [*(f"{name}: {value}" for name, value in figures.items()), *notes]:

@@ -18,7 +18,7 @@ MIN_FROND_ASPECT_RATIO = 2.2
 """Length of a frond over its mean width, at least."""
 
 
-def ways(vertices_m: Floats, faces: Ints, base_m: Floats) -> tuple[Surface, Floats]:
+def _ways(vertices_m: Floats, faces: Ints, base_m: Floats) -> tuple[Surface, Floats]:
     """The welded piece, and the length (v,) of the shortest way along its edges from the vertex nearest to a
     place (3,), m; infinite where there is none.
     """
@@ -36,12 +36,19 @@ def arms_of(vertices_m: Floats, faces: Ints, base_m: Floats) -> Ints:
     ``base_m`` (3,) is where the piece grows. What is cut off at a small distance from there along the surface
     are the arms; faces of the hub between them belong to the nearest.
     """
-    welded, way = ways(vertices_m, faces, base_m)
+    return arms_and_ways(vertices_m, faces, base_m)[0]
+
+
+def arms_and_ways(vertices_m: Floats, faces: Ints, base_m: Floats) -> tuple[Ints, Floats]:
+    """As ``arms_of``; also the way (f, 3) from the base to the corners of the faces along the surface, m."""
+    welded, way = _ways(vertices_m, faces, base_m)
     longest = float(way[np.isfinite(way)].max())
     outer = way > HUB_LENGTH_SHARE * longest
     beyond = outer[welded.faces].all(axis=1)
+    of_corner = way[welded.faces]
+    whole = np.zeros(len(faces), dtype=np.int32)
     if not beyond.any():
-        return np.zeros(len(faces), dtype=np.int32)
+        return whole, of_corner
     kept = welded.faces[beyond]
     pairs = np.concatenate([kept[:, :2], kept[:, 1:]])
     graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(welded.vertices),) * 2)
@@ -49,6 +56,8 @@ def arms_of(vertices_m: Floats, faces: Ints, base_m: Floats) -> Ints:
     farthest = np.zeros(int(label.max()) + 1)
     np.maximum.at(farthest, label[kept[:, 0]], np.where(np.isfinite(way), way, 0.0)[kept].max(axis=1))
     arms = np.flatnonzero(farthest > LEAST_ARM * longest)
+    if len(arms) < 2:
+        return whole, of_corner
     middle = vertices_m[faces].mean(axis=1)
     result = np.zeros(len(faces), dtype=np.int32)
     best = np.full(len(faces), np.inf)
@@ -61,7 +70,7 @@ def arms_of(vertices_m: Floats, faces: Ints, base_m: Floats) -> Ints:
         result[nearer], best[nearer] = number, apart[nearer]
     area = np.bincount(result, triangle_areas(vertices_m[faces]), len(arms))
     slender = farthest[arms] ** 2 > MIN_FROND_ASPECT_RATIO * area
-    return result if slender.all() else np.zeros_like(result)
+    return (result if slender.all() else whole), of_corner
 
 
 def triangle_areas(corners_m: Floats) -> Floats:

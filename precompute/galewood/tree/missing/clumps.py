@@ -33,13 +33,15 @@ class Clumps:
     point_area_m2: Floats
     clump: Ints
     corner_m: Floats  # (s, 3, 3) corners of the faces
+    order: Ints  # (s,) the faces, sorted by their piece
+    start: Ints  # (k + 1,) where the faces of each piece begin in this order
 
     def __len__(self) -> int:
         return len(self.area_m2)
 
     def corners_of(self, number: int) -> Floats:
         """Corners (f, 3, 3) of the faces of a clump."""
-        return self.corner_m[self.clump == number]
+        return self.corner_m[self.order[self.start[number] : self.start[number + 1]]]
 
     def unreached(self, wood_m: Floats, height_m: float) -> np.ndarray:
         """(k,) whether points on the wood (w, 3) are far from each clump."""
@@ -76,9 +78,10 @@ def _measured(corner: Floats, area: Floats, clump: Ints, count: int) -> Clumps:
     centre = np.stack(mean, axis=1)
     squared = np.square(corner - centre[clump][:, None]).sum(axis=2).mean(axis=1)
     radius = np.sqrt(np.bincount(clump, weight * squared, count) / np.maximum(total, 1e-300))
-    return Clumps(
-        centre, np.bincount(clump, area, count).astype(np.float64), radius, point, area, clump, corner
-    )
+    start = np.concatenate([[0], np.cumsum(np.bincount(clump, minlength=count))]).astype(np.int32)
+    order = np.argsort(clump, kind="stable").astype(np.int32)
+    total = np.bincount(clump, area, count).astype(np.float64)
+    return Clumps(centre, total, radius, point, area, clump, corner, order, start)
 
 
 def clustered(place_m: Floats, weight: Floats, wide_m: float, most: int) -> Ints:

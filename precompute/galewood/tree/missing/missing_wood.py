@@ -16,6 +16,7 @@ from scipy.spatial import KDTree
 
 from galewood.formats import Line, RawPart, tube
 from galewood.tree.missing.added_lines import (
+    FEW_VERTICES,
     TOP_SHARE,
     AddedLine,
     Load,
@@ -29,7 +30,7 @@ from galewood.tree.missing.added_lines import (
     stem_path,
     trunk_area_m2,
 )
-from galewood.tree.missing.arms import arms_of, triangle_areas, ways
+from galewood.tree.missing.arms import arms_and_ways, triangle_areas
 from galewood.tree.missing.clumps import REACH_HEIGHT_SHARE, Clumps, clumps_of, clustered
 from galewood.tree.missing.sections import edge_samples, sections_at
 from galewood.tree.repair import Surface
@@ -42,6 +43,8 @@ SHORT_IF_ASKED = 0.85
 FAR_SHARE = 0.15
 """Share of the leaf area far from all wood from which branches are added, and of fronds without a rib."""
 MOST_BRANCHES, MOST_FRONDS = 16, 48
+MOST_EXAMINED = 10 * MOST_FRONDS
+"""Pieces, the largest ones, that are examined for being fronds: of more pieces as large, most are not."""
 FROND_SIZE = 0.15
 """Shortest frond that gets a rib, relative to the height."""
 MAX_WOODED_LENGTH_SHARE = 0.5
@@ -169,6 +172,7 @@ class _Grower:
         self._area_per_leaf = area_per_leaf
         self._leafy = leafy
         self._points = edge_samples(wood, height_m / 100)
+        self._near_wood = KDTree(self._points)
         self._stem: Floats | None = None
         self._stem_area = 0.0
         self._on_stem: list[Load] = []
@@ -177,32 +181,42 @@ class _Grower:
         self.served = np.zeros(len(clumps), dtype=bool)
 
     def add_fronds(self, least: float) -> None:
-        """Ribs along slender clumps without wood beside them, if they are more than a share of the leaves."""
+        """Ribs along slender clumps without wood beside them, if they are more than a share of the leaves.
+
+        More than MOST_FRONDS are leaves: the search ends there.
+        """
         found: dict[int, list[AddedLine]] = {}
-        for number in np.flatnonzero(self._clumps.radius_m > 0.2 * FROND_SIZE * self._height_m).tolist():
-            ribs = self._ribs(self._clumps.corners_of(number))
-            if ribs:
-                found[number] = ribs
-        ribs = [rib for own in found.values() for rib in own]
+        ribs: list[AddedLine] = []
         area = self._clumps.area_m2
-        if len(ribs) <= MOST_FRONDS and area[list(found)].sum() > least * area.sum():
+        radius_m = self._clumps.radius_m
+        large = np.flatnonzero(radius_m > 0.2 * FROND_SIZE * self._height_m)
+        large = large[np.argsort(-radius_m[large], kind="stable")][:MOST_EXAMINED]
+        if area[large].sum() <= least * area.sum():
+            return
+        for number in np.sort(large).tolist():
+            own = self._ribs(self._clumps.corners_of(number))
+            if own:
+                found[number] = own
+                ribs += own
+            if len(ribs) > MOST_FRONDS:
+                return
+        if area[list(found)].sum() > least * area.sum():
             self._lines += ribs
             self.served[list(found)] = True
 
     def _ribs(self, corners_m: Floats) -> list[AddedLine]:
         """The ribs of all fronds of a piece (f, 3, 3); empty if it has other parts, or wood along them."""
-        nearest = KDTree(self._points).query(corners_m.reshape(-1, 3))[0].argmin()
-        faces = np.arange(3 * len(corners_m)).reshape(-1, 3)
-        base = corners_m.reshape(-1, 3)[int(nearest)]
-        arm = arms_of(corners_m.reshape(-1, 3), faces, base)
-        welded, way = ways(corners_m.reshape(-1, 3), faces, base)
-        way = way[welded.faces]
+        vertices, index = np.unique(corners_m.reshape(-1, 3), axis=0, return_inverse=True)
+        if len(vertices) < FEW_VERTICES:
+            return []
+        base = vertices[int(self._near_wood.query(vertices)[0].argmin())]
+        arm, way = arms_and_ways(vertices, index.reshape(-1, 3), base)
         ribs: list[AddedLine] = []
         for number in range(int(arm.max()) + 1):
             path = frond_path(corners_m[arm == number], way[arm == number])
             if path is None or line_marks(path)[-1] < FROND_SIZE * self._height_m:
                 return []
-            near = KDTree(self._points).query(path)[0] < 0.1 * line_marks(path)[-1]
+            near = self._near_wood.query(path)[0] < 0.1 * line_marks(path)[-1]
             if near.mean() < MAX_WOODED_LENGTH_SHARE:
                 ribs.append(self._frond(corners_m[arm == number], path))
         return ribs
@@ -228,7 +242,7 @@ class _Grower:
         self._stem = stem_path(end.place_m, end.direction, top, 0.05 * self._height_m)
         self._stem_area = float(np.clip(end.area_m2, LEAST_END * whole, whole))
         place, area = self._clumps.point_m, self._clumps.point_area_m2
-        drawn = KDTree(self._points).query(place)[0]
+        drawn = self._near_wood.query(place)[0]
         nearer = KDTree(_dense(self._stem)).query(place)[0] < drawn
         nearer &= ~self.served[self._clumps.clump]
         far = self._clumps.unreached(np.concatenate([self._points, _dense(self._stem)]), self._height_m)
@@ -284,7 +298,7 @@ class _Grower:
 
     def _inside(self, place_m: Floats) -> Floats:
         """A place on the axis of the drawn wood near a place."""
-        near = self._points[int(KDTree(self._points).query(place_m)[1])]
+        near = self._points[int(self._near_wood.query(place_m)[1])]
         low, high = (float(f(self._wood.vertices[:, 1])) for f in (np.min, np.max))
         level = float(np.clip(near[1], low + 0.02 * (high - low), high - 0.02 * (high - low)))
         sections = sections_at(self._wood, level)

@@ -25,11 +25,20 @@ from galewood.tree.pieces.evidence import (
 )
 from galewood.tree.pieces.groups import Group, GroupKind, group_pieces
 from galewood.tree.pieces.names import named_kind, own_kind
-from galewood.tree.pieces.other_objects import Others, find_around, find_ground, find_named, joined_faces
+from galewood.tree.pieces.other_objects import (
+    Others,
+    doubts,
+    find_around,
+    find_ground,
+    find_named,
+    joined_faces,
+)
 from galewood.tree.pieces.painted import painted_kinds, with_painted
 from galewood.tree.pieces.pieces import Pieces, find_pieces
+from galewood.tree.pieces.questions import doubts_of
 from galewood.tree.pieces.separate_trees import FoundTree, find_trees
 from galewood.tree.repair import Surface, weld
+from galewood.tree.surface import Bodies
 from galewood.tree.types import KINDS, Kind
 from galewood.util import Floats, Ints, MeshError
 
@@ -39,7 +48,7 @@ CONTRADICTION_SCORE = 3.0  # score of a piece that contradicts its name
 CONTRADICTS_MIXED = 1.4  # the same, if other pieces of that name strongly agree with it
 CONTRADICTION_AREA_SHARE = 0.4  # of the area that must contradict a name
 SAME_COLOUR = 0.1
-UNSURE_SHARE = 0.1
+NAMED_ODDS = 8.0  # of a file whose names are known to be right
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,7 @@ class Classification:
     trees: list[FoundTree]
     tree: int  # the chosen one, from 1
     warnings: list[str]
+    questions: list[str]  # what should be checked before the tree is used
     unsure_share: float  # of the tree's faces
     group_of_face: list[Ints]  # for each part of the file, the index in `groups` of each face
     pieces: Pieces
@@ -96,7 +106,7 @@ class _Found:
     pieces: Pieces
     kind: list[Kind]
     reason: list[str]
-    sure: Mask
+    odds: Floats  # log odds of what each piece is taken for
     others: Others
     tree: Ints  # of each piece, from 1; 0: none
     trees: list[FoundTree]
@@ -111,27 +121,36 @@ def _as_named(pieces: Pieces, parts: list[RawPart], given: list[Kind]) -> _Found
     reasons = [f"its name {labels[p]!r}" for p in pieces.part.tolist()]
     count = len(pieces)
     return _Found(
-        pieces, kinds, reasons, np.ones(count, bool), Others(), np.ones(count, np.int32), [tree], []
+        pieces,
+        kinds,
+        reasons,
+        np.full(count, NAMED_ODDS),
+        Others(np.zeros(count)),
+        np.ones(count, np.int32),
+        [tree],
+        [],
     )
 
 
 def _analysed(pieces: Pieces, parts: list[RawPart]) -> _Found:
     evidence = own_evidence(pieces)
     corners, piece = joined_faces(parts, pieces)
-    others = Others()
-    hinted = evidence.score + _name_hints(parts, pieces)
+    hints = _name_hints(parts, pieces)
+    others = Others(doubts(pieces, hints))
+    hinted = evidence.score + hints
     find_named(parts, pieces, hinted, others)
     find_ground(pieces, hinted, others)
     find_around(corners, piece, pieces, hinted, others)
     tree, trees = find_trees(corners, piece, pieces, hinted, others)
+    others.doubt_lost_leaves(pieces, hinted)
     for number in range(1, len(trees) + 1):
         add_position(evidence, pieces, tree == number)
     _follow_colour(evidence, pieces)
     twigs = _follow_names(evidence, parts, pieces)
     wood = evidence.score > 0
     kind: list[Kind] = ["twigs" if t else "wood" if w else "leaves" for w, t in zip(wood, twigs, strict=True)]
-    reason = [evidence.reason(k, bool(wood[k])) for k in range(len(pieces))]
-    found = _Found(pieces, kind, reason, np.abs(evidence.score) >= SURE_SCORE, others, tree, trees, [])
+    odds = np.where(others.left(len(pieces)), np.abs(evidence.score), others.odds)
+    found = _Found(pieces, kind, evidence.reasons(wood), odds, others, tree, trees, [])
     return _with_wood(found, evidence)
 
 
@@ -188,7 +207,7 @@ def _follow_names(evidence: Evidence, parts: list[RawPart], pieces: Pieces) -> M
 def _with_wood(found: _Found, evidence: Evidence) -> _Found:
     """Twigs of a tree without thicker wood are its wood; without any, the most woody solid is taken."""
     kind, reason, warnings = list(found.kind), list(found.reason), list(found.warnings)
-    sure = found.sure.copy()
+    odds = found.odds.copy()
     solid = ~is_sheet(found.pieces.shapes)
     for number in range(1, len(found.trees) + 1):
         own = np.flatnonzero(found.tree == number).tolist()
@@ -202,12 +221,12 @@ def _with_wood(found: _Found, evidence: Evidence) -> _Found:
         # a crown that is clearly foliage is not turned into wood
         likely = [k for k in own if solid[k] and evidence.score[k] > -2.6]
         for k in likely:
-            kind[k], reason[k], sure[k] = "wood", "no wood was recognised", False
+            kind[k], reason[k], odds[k] = "wood", "no wood was recognised", 0.0
         if likely:
             warnings.append(
                 "No wood was recognised; the solid pieces are treated as wood. To change it, choose the wood."
             )
-    return replace(found, kind=kind, reason=reason, sure=sure, warnings=list(dict.fromkeys(warnings)))
+    return replace(found, kind=kind, reason=reason, odds=odds, warnings=list(dict.fromkeys(warnings)))
 
 
 def _chosen(found: _Found, parts: list[RawPart], options: ImportRequest) -> Classification:
@@ -221,7 +240,7 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportRequest) -> Clas
             f"Choose a tree from 1 to {len(found.trees)}.",
         )
     pieces, others = found.pieces, found.others
-    groups = group_pieces(pieces, parts, found.kind, found.reason, found.sure, others, found.tree)
+    groups = group_pieces(pieces, parts, found.kind, found.reason, found.odds, others, found.tree)
     painted, empty = painted_kinds(options, pieces, {label for part in parts for label in part.labels})
     choices = read_choices(options, parts, groups, empty)
     groups = [_decided(group, choices, number) for group in with_painted(groups, pieces, painted)]
@@ -245,11 +264,18 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportRequest) -> Clas
                 reason = "; ".join(list(dict.fromkeys(g.reason for g in mine))[:3])
                 whole = ClassifiedPart(part, kind, reason, vertex_groups)
                 result.append(whole if len(faces) == len(part.faces) else _restricted(whole, faces))
-    kept = [g for g in groups if g.kind != "other"]
-    faces = sum(g.faces for g in kept)
-    unsure = sum(g.unsure_faces for g in kept if not g.chosen) / max(faces, 1)
-    warnings = [*found.warnings, *_warnings(groups, found, number, unsure)]
-    return Classification(result, groups, found.trees, number, warnings, unsure, group_of_face, pieces)
+    doubt = doubts_of(groups, len(found.trees), number)
+    return Classification(
+        result,
+        groups,
+        found.trees,
+        number,
+        [*found.warnings, *doubt.warnings],
+        doubt.questions,
+        doubt.unsure_share,
+        group_of_face,
+        pieces,
+    )
 
 
 def _decided(group: Group, choices: Choices, tree: int) -> Group:
@@ -262,30 +288,14 @@ def _decided(group: Group, choices: Choices, tree: int) -> Group:
     if chosen is None:
         return group
     kind, reason = chosen
-    return replace(group, kind=kind, what="left out" if kind == "other" else "", reason=reason, chosen=True)
-
-
-def _warnings(groups: list[Group], found: _Found, number: int, unsure: float) -> list[str]:
-    warnings: list[str] = []
-    if len(found.trees) > 1:
-        warnings.append(
-            f"The file contains {len(found.trees)} trees; tree {number} is imported. "
-            "Choose another with --tree N or in the dialog."
-        )
-    counts: dict[str, int] = {}
-    for group in groups:
-        if group.kind == "other" and not group.chosen and group.tree == 0:
-            counts[group.what] = counts.get(group.what, 0) + group.faces
-    if counts:
-        words = ", ".join(f"{what} ({count} faces)" for what, count in counts.items())
-        warnings.append(
-            f"Left out, because it is not the tree: {words}. To keep it, choose wood or leaves for it."
-        )
-    if unsure > UNSURE_SHARE:
-        warnings.append(
-            f"Unsure about {unsure:.0%} of the faces: check which pieces are wood and which are leaves."
-        )
-    return warnings
+    return replace(
+        group,
+        kind=kind,
+        what="left out" if kind == "other" else "",
+        reason=reason,
+        chosen=True,
+        probability=1.0,
+    )
 
 
 def sub_part(part: RawPart, faces: Ints) -> RawPart:
@@ -321,15 +331,21 @@ def welded_wood(pieces: list[ClassifiedPart]) -> Surface:
     return weld(Surface(np.concatenate(vertices), np.concatenate(faces).astype(np.int32)))
 
 
-def without_strays(pieces: list[ClassifiedPart], kept: Floats, strays: Floats) -> list[ClassifiedPart]:
-    """Remove faces of wood or leaves that are nearer to a discarded body than to the tree."""
-    if not len(strays):
+def without_strays(pieces: list[ClassifiedPart], kept: Floats, bodies: Bodies) -> list[ClassifiedPart]:
+    """The parts without what is nearest to a body on the ground; what is nearest to a floating one is leaves.
+
+    `kept` (n, 3) are the vertices of the wood.
+    """
+    if not len(bodies.floating) + len(bodies.grounded):
         return pieces
-    near, far = KDTree(kept), KDTree(strays)
+    trees = [KDTree(points) if len(points) else None for points in (kept, bodies.floating, bodies.grounded)]
     result: list[ClassifiedPart] = []
     for piece in pieces:
         middle = piece.part.positions[piece.part.faces].mean(axis=1)
-        own = np.flatnonzero(near.query(middle)[0] <= far.query(middle)[0])
-        if len(own):
-            result.append(_restricted(piece, own))
+        apart = [np.full(len(middle), np.inf) if tree is None else tree.query(middle)[0] for tree in trees]
+        nearest = np.argmin(apart, axis=0)  # the first of equal ones: the tree
+        for number, kind in ((0, piece.kind), (1, "twigs" if piece.kind == "twigs" else "leaves")):
+            own = np.flatnonzero(nearest == number)
+            if len(own):
+                result.append(replace(_restricted(piece, own), kind=kind))
     return result

@@ -21,6 +21,8 @@ WOOD_PRIOR_SCORE = 0.25  # an unknown solid is more often wood
 GROUNDED_HEIGHT_SHARE = 0.03  # of the tree's height
 TALL_HEIGHT_SHARE = 0.25  # of the tree's height
 MAX_TRUNK_THICKNESS_SHARE = 0.2  # thickness, of the tree's height, above which nothing is a trunk
+DETAILED_FACES = 2_000  # faces whose colours agree say more than those of a few
+PATCH_HEIGHT_SHARE = 0.3  # largest patch of bark, of the trunk's height
 MANY_PIECES = 24  # similar small pieces
 ALIKE_COLOUR_DISTANCE = 0.12  # distance of colours that count as the same
 STRIP_FLATNESS = 4.5  # flatness (see `_flatness`) above which a piece is a strip
@@ -40,14 +42,15 @@ class Evidence:
         self.score = self.score + added
         self.indicators.append((added, words))
 
-    def reason(self, piece: int, wood: bool) -> str:
-        """The strongest indicators of a piece for the kind it was given."""
-        sign = 1.0 if wood else -1.0
-        found = sorted(
-            ((sign * float(w[piece]), words) for w, words in self.indicators), key=lambda one: -one[0]
-        )
-        words = [words for weight, words in found[:3] if weight > 0.2]
-        return "; ".join(words) or ("a solid that is neither a card nor a crown" if wood else "not like wood")
+    def reasons(self, wood: Mask) -> list[str]:
+        """The strongest indicators of every piece for the kind it was given."""
+        weights = np.stack([weight for weight, _ in self.indicators]) * np.where(wood, 1.0, -1.0)
+        strongest = np.argsort(-weights, axis=0, kind="stable")[:3].T.tolist()
+        none = ("not like wood", "a solid that is neither a card nor a crown")
+        return [
+            "; ".join(self.indicators[i][1] for i in rows if weights[i, k] > 0.2) or none[int(wood[k])]
+            for k, rows in enumerate(strongest)
+        ]
 
 
 def is_sheet(s: Shapes) -> Mask:
@@ -110,8 +113,9 @@ def own_evidence(pieces: Pieces) -> Evidence:
 def _colour_evidence(found: Evidence, pieces: Pieces) -> None:
     hue, saturation, value = hue_saturation_value(pieces.rgb)
     known = pieces.coloured
-    green = known & (hue > 62) & (hue < 170) & (saturation > 0.12)
-    found.add(green, -2.5 * np.clip((saturation - 0.1) / 0.2, 0.3, 1.0), "green")
+    green = is_green(pieces)
+    detailed = np.where(pieces.shapes.faces >= DETAILED_FACES, 1.4, 1.0)  # a scan: its shape is rough
+    found.add(green, -2.5 * detailed * np.clip((saturation - 0.1) / 0.2, 0.3, 1.0), "green")
     warm = known & (hue >= 8) & (hue <= 48)
     vivid = known & (saturation > 0.6) & (value > 0.6) & ((hue < 62) | (hue > 330))
     brown = warm & (saturation > 0.12) & (value < 0.72) & ~vivid
@@ -163,5 +167,26 @@ def _compare_with_trunk(found: Evidence, pieces: Pieces, members: Mask, trunk: M
     best = int(np.argmax(np.where(sure, pieces.shapes.high[:, 1] - pieces.shapes.low[:, 1], -1.0)))
     distance = np.linalg.norm(pieces.rgb - pieces.rgb[best], axis=1)
     others = members & pieces.coloured & (np.arange(len(pieces)) != best)
-    found.add(others & (distance < ALIKE_COLOUR_DISTANCE), 0.8, "coloured like the trunk")
+    alike = others & (distance < ALIKE_COLOUR_DISTANCE)
+    found.add(alike, 0.8, "coloured like the trunk")
     found.add(others & (distance > 2 * ALIKE_COLOUR_DISTANCE), -0.6, "coloured unlike the trunk")
+    _, saturation, _ = hue_saturation_value(pieces.rgb)
+    s = pieces.shapes
+    if bool(is_green(pieces)[best]):  # such as a cactus: green says nothing
+        limb = ~is_sheet(s) & ~is_flattened(s) & ~is_round(s) & (s.thickness > 0.25 * s.thickness[best])
+        found.add(alike & limb, 2.5, "a green limb like the trunk")
+    small = s.extents[:, 0] < PATCH_HEIGHT_SHARE * float(s.high[best, 1] - s.low[best, 1])
+    dull = ~is_green(pieces) & (saturation < 0.3) & (pieces.cut_out < 0.04)
+    found.add(others & small & dull & _on_trunk(s, best), 4.0, "a patch of the bark")
+
+
+def _on_trunk(s: Shapes, trunk: int) -> Mask:
+    """Pieces whose boxes lie within that of a trunk, or hardly beyond it."""
+    slack = 0.15 * s.thickness[trunk]
+    return ((s.low >= s.low[trunk] - slack) & (s.high <= s.high[trunk] + slack)).all(axis=1)
+
+
+def is_green(pieces: Pieces) -> Mask:
+    """Pieces of a green colour."""
+    hue, saturation, _ = hue_saturation_value(pieces.rgb)
+    return pieces.coloured & (hue > 62) & (hue < 170) & (saturation > 0.12)

@@ -12,6 +12,7 @@ import numpy as np
 
 from galewood.formats import RawPart
 from galewood.tree.pieces.colour import hex_colour
+from galewood.tree.pieces.evidence import SURE_SCORE
 from galewood.tree.pieces.other_objects import Others
 from galewood.tree.pieces.pieces import Pieces
 from galewood.tree.types import Kind
@@ -35,6 +36,7 @@ class Group:
     reason: str
     faces: int
     unsure_faces: int
+    probability: float  # of its kind, the mean over its faces
     tree: int  # 0: part of no tree
     colour: str | None  # #rrggbb
     low: Floats  # (3,) corners of its box, y up, in the file's unit
@@ -54,6 +56,7 @@ class Group:
             "faces": self.faces,
             "pieces": len(self.pieces),
             "sure": self.unsure_faces * 2 < self.faces,
+            "probability": round(self.probability, 3),
             "tree": self.tree,
             "colour": self.colour,
             "chosen": self.chosen,
@@ -66,11 +69,15 @@ def group_pieces(
     parts: list[RawPart],
     kind: list[Kind],
     reason: list[str],
-    sure: np.ndarray,
+    odds: Floats,
     others: Others,
     tree: Ints,
 ) -> list[Group]:
-    """All groups, in the order of the file. They depend on the file alone, not on choices."""
+    """All groups, in the order of the file. They depend on the file alone, not on choices.
+
+    `odds` (k,) are the log odds of what each piece is taken for.
+    """
+    certainty = 1 / (1 + np.exp(-np.clip(odds, -50, 50)))
     area = pieces.shapes.area
     alone = set(np.argsort(-area, kind="stable")[:MAX_LARGE_PIECES].tolist()) & set(
         np.flatnonzero(area >= LARGE_AREA_SHARE * area.sum()).tolist()
@@ -98,7 +105,8 @@ def group_pieces(
                 what=what,
                 reason=other[1] if other else reason[largest],
                 faces=int(faces.sum()),
-                unsure_faces=0 if other else int(faces[~sure[chosen]].sum()),
+                unsure_faces=int(faces[odds[chosen] < SURE_SCORE].sum()),
+                probability=float(np.average(certainty[chosen], weights=faces)),
                 tree=number,
                 colour=hex_colour(rgb) if bool(pieces.coloured[chosen].any()) else None,
                 low=pieces.shapes.low[chosen].min(axis=0),

@@ -26,7 +26,7 @@ LEAF_NAMES = re.compile(
 )
 OTHER_NAMES = {
     "ground": re.compile(
-        r"ground|terrain|\bfloor|\bplane\b|landscape|\bsoil|\bdirt\b|boden\b|erde\b|\bsol\b|suelo|terreno"
+        r"ground|terrain|\bfloor|landscape|\bsoil|\bdirt\b|boden\b|erde\b|\bsol\b|suelo|terreno"
         r"|земл|地面",
         re.I,
     ),
@@ -40,13 +40,26 @@ OTHER_NAMES = {
         r"bench|house|lamp|skybox|backdrop|pedestal|\bsky\b|collider|collision|\bucx\b", re.I
     ),
 }
+DEFAULT_NAMES = re.compile(
+    r"\s*(?:(?:root|scene|gltf|sketchfab|armature|joint|model|rig|skeleton) ?)*"
+    r"(?:plane|cube|box|(?:uv|ico|quad|geo)? ?sphere|circle|cylinder|cone|torus|grid|suzanne|line|rectangle"
+    r"|(?:bezier ?)?curve|nurbs ?path|text|empty|null|dummy|locator|object|obj|mesh|sub ?mesh|geometry|geom"
+    r"|shape|surface|solid|poly(?:gon| ?surface)?|body|p ?(?:plane|cube|sphere|cylinder|cone|torus)|group"
+    r"|node|primitive|layer|root|model|instance|part|element|component|material|mat|standard(?: ?surface)?"
+    r"|(?:no|default|initial) ?(?:name|material|shading ?group)?|lambert|blinn|phong|shader|unnamed|untitled"
+    r"|none|lod) ?(?:shape|mesh|node|material|mat|obj|object|lod)?\s*",
+    re.I,
+)
+"""Names that modelling tools and converters give by default, without numbers: they say nothing."""
 OWN_NAME_PATTERN = re.compile(r"(wood|twigs|leaves)_\d+$")
 """Names that the render GLB of an import has."""
 
 
 def named_kind(label: str) -> Kind | None:
     """What a name says; None if it says nothing, or both wood and leaves. Branches and twigs are wood."""
-    text = _spaced(label)
+    text = spaced_name(label)
+    if DEFAULT_NAMES.fullmatch(text):
+        return None
     is_wood, is_leaf = WOOD_NAMES.search(text), LEAF_NAMES.search(text)
     if is_wood and is_leaf:
         return None
@@ -57,13 +70,13 @@ def named_kind(label: str) -> Kind | None:
 
 def named_other(label: str) -> str | None:
     """The kind of object that is not a tree, if a name says so and mentions no part of a tree."""
-    text = _spaced(label)
-    if named_kind(label) is not None:
+    text = spaced_name(label)
+    if named_kind(label) is not None or DEFAULT_NAMES.fullmatch(text):
         return None
     return next((what for what, pattern in OTHER_NAMES.items() if pattern.search(text)), None)
 
 
-def _spaced(label: str) -> str:
+def spaced_name(label: str) -> str:
     """A name in which CamelCase, underscores and digits separate words."""
     return re.sub(r"[_\d.]+|(?<=[a-z])(?=[A-Z])", " ", label)
 

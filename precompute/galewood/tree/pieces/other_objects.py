@@ -1,7 +1,8 @@
 """Pieces that are not the tree: ground, islands, pots, rocks, fences, grass.
 
 All lengths are relative to the height of the tree or the scene. The rules look at pieces in this order: named
-objects, flat ground, what lies under or around the foot of the trunk, low things beside it.
+objects, flat ground, what lies under or around the foot of the trunk, low things beside it. Each rule speaks
+with a weight in log odds, from which the doubts about a piece are subtracted.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from galewood.formats import RawPart
 from galewood.tree.pieces.evidence import ALIKE_COLOUR_DISTANCE, Mask, is_sheet, is_tube
 from galewood.tree.pieces.names import named_kind, named_other
 from galewood.tree.pieces.pieces import Pieces
+from galewood.tree.pieces.shape import Shapes
 from galewood.tree.pieces.touching import groups
 from galewood.util import Floats, Ints
 
@@ -21,25 +23,62 @@ TOUCH_HEIGHT_SHARE = 0.02  # of the scene's height: nearer pieces touch
 GROUND_FLATNESS = 0.14  # height of ground, of its width
 GROUND_HEIGHT_SHARE = 0.15  # ground lies below this share of the scene
 MIN_GROUND_WIDTH_RATIO = 0.25  # least width of ground, of the scene's height
+PLACE_ODDS = 3.0  # weight of a place and shape
+NAME_ODDS = 1.5  # weight of a name, and of a height that agrees with it
+ALPHA_DOUBT = 3.0  # ground and rocks are not cut out by alpha
+UNSURE_ODDS = 0.5  # what makes up most of the leaves is left out with at most these
+NAMED_HEIGHT_SHARE = 0.15  # ground, rocks and pots begin below this share of the scene
+STANDING_HEIGHT_SHARE, MIN_POSTS = 0.02, 3  # at least so many posts of a fence stand on the ground
 BESIDE_HEIGHT_SHARE = 0.1  # least distance of a fence or rock from the foot of the trunk
 
 
 @dataclass
 class Others:
-    """Pieces that are not the tree: for each its kind of object and the reason."""
+    """Pieces that are not the tree: for each its kind of object and the reason.
 
+    `doubt` (k,) ≥ 0 is what speaks for a part of the tree, whatever its place, and `odds` (k,) the log odds
+    that a piece is not the tree, where it is marked.
+    """
+
+    doubt: Floats
     what: dict[int, tuple[str, str]] = field(default_factory=dict[int, tuple[str, str]])
+    odds: Floats = field(init=False)
 
-    def mark(self, where: Mask, what: str, reason: str) -> None:
-        """Name the pieces `where`, unless they are named already."""
-        for k in np.flatnonzero(where).tolist():
-            self.what.setdefault(int(k), (what, reason))
+    def __post_init__(self) -> None:
+        self.odds = np.zeros(len(self.doubt))
+
+    def mark(self, where: Mask, what: str, reason: str, weight: float | Floats = PLACE_ODDS) -> None:
+        """Name the pieces `where` that are more likely no part of the tree, unless they are named already."""
+        odds = np.broadcast_to(weight, self.doubt.shape) - self.doubt
+        for k in np.flatnonzero(where & (odds > 0)).tolist():
+            if k not in self.what:
+                self.what[k], self.odds[k] = (what, reason), odds[k]
 
     def left(self, count: int) -> Mask:
         """The pieces that are not named."""
         rest = np.ones(count, dtype=bool)
         rest[list(self.what)] = False
         return rest
+
+    def doubt_lost_leaves(self, pieces: Pieces, score: Floats) -> None:
+        """What is left out is unsure if it makes up most of what looks like leaves, but for flat ground."""
+        s = pieces.shapes
+        leafy = (score < -1.0) & ~is_level(s)
+        lost = leafy & ~self.left(len(pieces))
+        if s.area[lost].sum() > 0.5 * s.area[leafy].sum():
+            self.odds[lost] = np.minimum(self.odds[lost], UNSURE_ODDS)
+
+
+def doubts(pieces: Pieces, hints: Floats) -> Floats:
+    """What speaks against leaving pieces out (k,): alpha that cuts leaves out, and `hints` (k,) of names."""
+    return np.where(pieces.cut_out > 0.04, ALPHA_DOUBT, 0.0) + np.abs(hints)
+
+
+def is_level(s: Shapes) -> Mask:
+    """Wide, flat, horizontal pieces."""
+    size = s.high - s.low
+    wide, narrow = size[:, [0, 2]].max(axis=1), size[:, [0, 2]].min(axis=1)
+    return (size[:, 1] <= GROUND_FLATNESS * wide) & (s.along_axes[:, 1] > 0.5) & (narrow > 0.25 * wide)
 
 
 @dataclass(frozen=True)
@@ -68,7 +107,13 @@ def touching(corners: Floats, piece: Ints, members: Mask) -> Ints:
 
 
 def find_named(parts: list[RawPart], pieces: Pieces, score: Floats, others: Others) -> None:
-    """Mark what a name says is another object, unless it looks like a trunk or nothing else is left."""
+    """Mark what a name says is another object, if its height and shape agree and it is no trunk.
+
+    Ground is low and level, other objects begin low; only what may be anywhere, such as a lamp, is believed.
+    """
+    s = pieces.shapes
+    bottom, scene = float(s.low[:, 1].min()), max(float(np.ptp(np.stack([s.low, s.high])[:, :, 1])), 1e-300)
+    low = s.low[:, 1] <= bottom + NAMED_HEIGHT_SHARE * scene
     for number, part in enumerate(parts):
         if any(named_kind(label) for label in part.labels):
             continue
@@ -76,9 +121,10 @@ def find_named(parts: list[RawPart], pieces: Pieces, score: Floats, others: Othe
         rows = pieces.part == number
         if label is None or rows.all():
             continue
-        others.mark(
-            rows & ~(is_tube(pieces.shapes) & (score > 0)), named_other(label) or "", f"its name {label!r}"
-        )
+        what = named_other(label) or ""
+        agrees = low & is_level(s) if what == "ground" else low | (what == "object")
+        weight = NAME_ODDS + np.where(agrees, NAME_ODDS, -NAME_ODDS)
+        others.mark(rows & ~(is_tube(s) & (score > 0)), what, f"its name {label!r}", weight)
     if not others.left(len(pieces)).any():
         others.what.clear()
 
@@ -88,13 +134,10 @@ def find_ground(pieces: Pieces, score: Floats, others: Others) -> None:
     s, rest = pieces.shapes, others.left(len(pieces))
     low, high = float(s.low[rest, 1].min()), float(s.high[rest, 1].max())
     scene = max(high - low, 1e-300)
-    tall = s.high[:, 1] - s.low[:, 1]
     width = (s.high - s.low)[:, [0, 2]].max(axis=1)
-    narrow = (s.high - s.low)[:, [0, 2]].min(axis=1)
-    flat = (tall <= GROUND_FLATNESS * width) & (s.along_axes[:, 1] > 0.5) & (narrow > 0.25 * width)
     ground = (
         rest
-        & flat
+        & is_level(s)
         & (s.high[:, 1] <= low + GROUND_HEIGHT_SHARE * scene)
         & (width >= MIN_GROUND_WIDTH_RATIO * scene)
     )
@@ -107,7 +150,8 @@ def find_around(corners: Floats, piece: Ints, pieces: Pieces, score: Floats, oth
     for _ in range(2):  # what stood on an island is a group of its own once the island is found
         before = len(others.what)
         group = touching(corners, piece, others.left(len(pieces)))
-        for number in range(int(group.max(initial=-1)) + 1):
+        woody = group[(group >= 0) & is_tube(pieces.shapes) & (score > 0)]
+        for number in np.unique(woody).tolist():  # others have no trunk, and may be many
             members = group == number
             trunk = find_trunk(corners, piece, pieces, score, members)
             if trunk is None:
@@ -191,6 +235,9 @@ def _mark_beside(pieces: Pieces, score: Floats, members: Mask, trunk: Trunk, oth
     compact = ~elongated & (s.extents[:, 2] > 0.2 * s.extents[:, 0])
     others.mark(beside & compact & (score > -2.6) & _not_leafy(pieces), "rock", "a low body beside the trunk")
     far = low & (np.hypot(*apart.T) > BESIDE_HEIGHT_SHARE * height) & solid & elongated
+    stands = s.low[:, 1] <= y + STANDING_HEIGHT_SHARE * height  # branches that hang low do not
+    if int((far & stands).sum()) < MIN_POSTS:
+        far &= stands
     if int(far.sum()) >= 3:
         others.mark(far, "fence", "one of several low bars away from the trunk")
     else:

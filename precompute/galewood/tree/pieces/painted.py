@@ -83,6 +83,7 @@ def _as_chosen(group: Group, pieces: Pieces, kind: GroupKind) -> Group:
         what="left out" if kind == "other" else "",
         reason="painted",
         unsure_faces=0,
+        probability=1.0,
         chosen=True,
         ranges=tuple(ranges),
     )

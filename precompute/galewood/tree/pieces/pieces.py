@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import coo_matrix
 
 from galewood.formats import RawPart
 from galewood.tree.pieces.colour import FaceColours, face_colours
@@ -21,6 +22,8 @@ SPLIT_SHARE = 0.03  # least share of the area on either side of a division
 SPLIT_DISTANCE = 0.16  # least distance of the two mean colours
 SPLIT_SPREAD = 0.26  # spread of the colours within both sides, relative to their distance
 SPLIT_BORDER = 0.3  # faces at the border, relative to those of a random division
+SMOOTHED_FACES = 2_000  # colours are smoothed in pieces of so many faces
+SMOOTHING_ROUNDS = 24  # each reaches one face farther
 LIGHTNESS_WEIGHT = 0.35  # weight of lightness beside hue: a crown may be lit from one side
 
 
@@ -130,7 +133,7 @@ def _divided(surface: Surface, label: Ints, count: int, colour: FaceColours) -> 
     corners = surface.vertices[surface.faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     area = area + 1e-12 * max(float(area.max()), 1e-300)
-    seen = _opponent(colour.rgb)
+    seen = _smoothed(_opponent(colour.rgb), pairs, np.bincount(label, minlength=count)[label])
     for _ in range(2):
         sizes = np.bincount(label, minlength=count)
         spread = _spreads(seen, label, count, area)
@@ -160,6 +163,24 @@ def _opponent(rgb: Floats) -> Floats:
     """Colours as red − green, yellow − blue and little lightness: hue tells bark from leaves."""
     r, g, b = rgb.T
     return np.column_stack([r - g, (r + g) / 2 - b, LIGHTNESS_WEIGHT * (r + g + b) / 3])
+
+
+def _smoothed(seen: Floats, pairs: Ints, size: Ints) -> Floats:
+    """Colours (m, 3) averaged over neighbours in pieces of many faces; `size` (m,) is that of their pieces.
+
+    A scan has the noise and the shadows of its photographs on faces much smaller than what they show.
+    """
+    fine = size[pairs[:, 0]] >= SMOOTHED_FACES
+    if not fine.any():
+        return seen
+    first, second = pairs[fine].T
+    ones = np.ones(2 * len(first))
+    rows, columns = np.concatenate([first, second]), np.concatenate([second, first])
+    beside = coo_matrix((ones, (rows, columns)), shape=(len(seen), len(seen))).tocsr()
+    degree = 1 + np.bincount(rows, minlength=len(seen))[:, None]
+    for _ in range(SMOOTHING_ROUNDS):
+        seen = (seen + beside @ seen) / degree
+    return seen
 
 
 def _spreads(seen: Floats, label: Ints, count: int, area: Floats) -> Floats:

@@ -18,6 +18,7 @@ FLOATING_HEIGHT_SHARE = 0.1  # of the scene's height above the ground
 MIN_TREE_HEIGHT_SHARE = 0.3  # height of a tree, of the tallest
 MIN_FOLIAGE_SHARE = 0.15  # least share of foliage in the area of a tree; bare trees must be TALL_BARE
 TALL_BARE = 0.5
+MIN_TRUNK_THICKNESS_RATIO = 0.33  # least thickness of a trunk, of the thickest: limbs that hang low are none
 MIN_TRUNK_DISTANCE_RATIO = 0.35  # least distance of the trunks of two trees, of their height
 
 
@@ -114,6 +115,7 @@ def _by_trunk(corners: Floats, piece: Ints, pieces: Pieces, score: Floats, membe
         tall = s.high[:, 1] - s.low[:, 1]
         fit = own & is_tube(s) & (score > 0) & (s.low[:, 1] <= low + 0.08 * (top - low))
         fit &= (tall >= 0.2 * (top - low)) & (s.thickness < 0.2 * (top - low))
+        fit &= s.thickness > MIN_TRUNK_THICKNESS_RATIO * np.where(fit, s.thickness, 0.0).max()
         candidates = np.flatnonzero(fit)
         if len(candidates) < 2:
             continue

@@ -50,7 +50,9 @@ async def upload_tree(
 ) -> TreeOut:
     """Upload a mesh. The response contains the mesh import report (`report`) and a preview (`mesh_sha256`:
     a GLB whose meshes are named `wood_…` and `leaves_…`). Use PATCH to change the import options, and
-    POST /api/jobs or `build=true` to compute the table. The same file with the same options is one tree."""
+    POST /api/jobs or `build=true` to compute the table. If `report.needs_review` is true, `report.questions`
+    says what to check first, and `build=true` computes nothing; the option `accept` prevents that. The same
+    file with the same options is one tree."""
     upload = await _receive(request, service)
     tree = await asyncio.to_thread(_find, service, upload)
     if tree is None:
@@ -60,7 +62,8 @@ async def upload_tree(
         new = False
     response.status_code = 201 if new else 200
     response.headers["Location"] = f"/api/trees/{tree.id}"
-    return await asyncio.to_thread(_queue_build, service, tree) if build and new else tree
+    build = build and new and not tree.report["needs_review"]
+    return await asyncio.to_thread(_queue_build, service, tree) if build else tree
 
 
 async def read_mesh(

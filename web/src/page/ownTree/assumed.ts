@@ -34,6 +34,8 @@ export interface Assumed {
   /** For each drawn primitive runs of vertices: row of `pieces`, number, row, number, … */
   readonly vertexPieces: readonly (readonly number[])[];
   readonly warnings: readonly string[];
+  /** What to check before the motion is computed. */
+  readonly questions: readonly string[];
   /** Why wood that the file lacks was added; null: none was. */
   readonly addedWood: string | null;
   /** Null if the file is a mesh. */
@@ -102,6 +104,7 @@ export function assumedOf(report: unknown): Assumed {
     trees: list(found.trees).map(treeOf),
     vertexPieces: list(found.vertex_pieces).map((runs) => list(runs).map((n) => numberIn(n) ?? -1)),
     warnings: list(found.warnings).map(text).filter(Boolean),
+    questions: list(found.questions).map(text).filter(Boolean),
     addedWood: "added_wood" in found ? text(object(found.added_wood).reason) : null,
     scan: "qsm" in found ? scanOf(object(found.qsm), list(found.parts)) : null,
   };

@@ -111,7 +111,12 @@ export class OwnTreeDialog {
     const assumed = assumedOf(tree.report);
     const species = await knownSpecies().catch(() => []);
     this.liveliness.show(expectedMotionOf(tree.report));
-    this.form.replaceChildren(...this.fields(assumed, species), this.liveliness.root, ...warnings(assumed));
+    this.form.replaceChildren(
+      ...list("own-tree-questions", assumed.questions),
+      ...this.fields(assumed, species),
+      this.liveliness.root,
+      ...list("own-tree-warnings", assumed.warnings),
+    );
     if (!tree.mesh_sha256) return;
     try {
       const model = await readTreeModel(await fetchMesh(tree.mesh_sha256));
@@ -285,11 +290,11 @@ export class OwnTreeDialog {
   }
 }
 
-function warnings({ warnings: texts }: Assumed): HTMLElement[] {
+function list(name: string, texts: readonly string[]): HTMLElement[] {
   if (texts.length === 0) return [];
-  const list = make("ul", "", "own-tree-warnings");
-  list.append(...texts.map((words) => make("li", words)));
-  return [list];
+  const made = make("ul", "", name);
+  made.append(...texts.map((words) => make("li", words)));
+  return [made];
 }
 
 const isTyping = (target: EventTarget | null) =>

@@ -31,6 +31,10 @@ export interface Schemas {
      * bush. It bends, but is not drawn. Default: where the foliage needs it.
      */
     complete?: boolean | null;
+    /**
+     * Accept what the import found without asking: what is left out, uncertain pieces, the up axis, the size.
+     */
+    accept?: boolean | null;
     /** Number of tetrahedra to aim at. */
     target_tets?: number;
     /** Elements sampled for the paper's state search. */
@@ -339,6 +343,10 @@ export interface Schemas {
      * bush. It bends, but is not drawn. Default: where the foliage needs it.
      */
     complete?: boolean | null;
+    /**
+     * Accept what the import found without asking: what is left out, uncertain pieces, the up axis, the size.
+     */
+    accept?: boolean | null;
     /** Name of the tree; default: that of the file. */
     name?: string | null;
   };
