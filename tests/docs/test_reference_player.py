@@ -270,7 +270,7 @@ def _searching(rows: Floats, wind: Wind, velocity: Callable[[float, float, float
 
 @pytest.mark.parametrize("name", ["maple", "poplar-forest"])
 def test_built_in_trees_move_as_those_that_the_server_streams(name: str) -> None:
-    """With 32 or 16 oscillators; up to the rounding of the stream, which wire.md bounds."""
+    """Up to the rounding of the stream, which wire.md bounds."""
     path = ROOT / "assets" / "species" / "shipped" / f"{name}.table"
     table, wind = decode(path.read_bytes()), random_winds()[2]
     rows = np.array([[-11.5, 4.0, 0.5, 0.75], [18.0, 120.5, 3.0, 1.5]], np.float32)

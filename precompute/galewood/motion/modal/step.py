@@ -109,17 +109,22 @@ def _write_wind(tensors, batch, count, gusts):  # pragma: no cover  (compiled)
         local_z[:] = 0.0
         air[:points], air[points:] = pressure[0], pressure[1]
         return
-    for g in range(places):
-        for lane in range(count):
-            along, across = gusts[tree[lane], 2 * g], gusts[tree[lane], 2 * g + 1]
-            local_x[g, lane] = along * pressure[0, lane] - across * pressure[1, lane]
-            local_z[g, lane] = along * pressure[1, lane] + across * pressure[0, lane]
-        felt[0] += mean[g] * local_x[g]
-        felt[1] += mean[g] * local_z[g]
+    for lane in range(count):
+        own, x, z = gusts[tree[lane]], pressure[0, lane], pressure[1, lane]
+        mean_x = mean_z = 0.0
+        for g in range(places):
+            along, across = own[2 * g], own[2 * g + 1]
+            local_x[g, lane], local_z[g, lane] = along * x - across * z, along * z + across * x
+            mean_x += mean[g] * along
+            mean_z += mean[g] * across
+        felt[0, lane] += mean_x * x - mean_z * z
+        felt[1, lane] += mean_x * z + mean_z * x
     np.dot(drag_place, local_x, air[:points])
     np.dot(drag_place, local_z, air[points:])
-    air[:points] += pressure[0]
-    air[points:] += pressure[1]
+    for j in range(points):
+        for lane in range(count):
+            air[j, lane] += pressure[0, lane]
+            air[points + j, lane] += pressure[1, lane]
 
 
 @numba.njit(cache=True, nogil=True)

@@ -23,12 +23,17 @@ GUST_WIND_COUNT, FRAMES_PER_GUST_WIND = 24, 300
 """Winds with gusts within the crown."""
 SWAY_SHARES = (0.2, 0.05, 0.2, 0.1, 0.2, 0.03, 0.15)
 """Largest sway of the winds, in turn, over the height. Seven, as the kinds of wind repeat after five."""
-GUST_SWAY_SHARES = (0.3, 0.08, 0.2, 0.04, 0.25, 0.12, 0.02)
+GUST_SWAY_SHARES = (0.3, 0.1, 0.2, 0.05, 0.26, 0.15, 0.22)
 """The same of the winds with gusts within the crown."""
 STRONGEST_M_S = 60.0
 """Limit of the speed, for trees too stiff to sway so far in any wind."""
 TRAINING_GUSTINESS, WHITE_GUSTINESS = 0.45, 0.6
 """Standard deviation of the speed over its mean."""
+GUSTINESSES, WANDERS_RAD = (0.12, 0.4), (0.1, 0.5)
+"""Ranges of that and of the standard deviation of the heading in winds with gusts within the crown.
+
+Small ones too, so that the tree stays bent for long.
+"""
 HEADING_TURNS = 0.5
 """Turns of the heading during a wind, in addition to its variation."""
 CROWN_INTENSITIES, CROWN_SPEEDS_M_S = (0.25, 0.6), (4.0, 18.0)
@@ -119,7 +124,9 @@ def gust_shapes(
     shapes: list[WindShape] = []
     for k in range(count):
         heading_rad = first_rad + k * GOLDEN_RAD
-        velocity = _gusts(_Setting(rng, dt_s, 0.0, heading_rad, steady))
+        of = _Setting(rng, dt_s, 0.0, heading_rad, steady)
+        speed = np.clip(1.0 + rng.uniform(*GUSTINESSES) * of.noise(5 / 3), 0.0, 1.8)
+        velocity = _along(speed, heading_rad + rng.uniform(*WANDERS_RAD) * of.noise(2.0))
         velocity /= np.linalg.norm(velocity, axis=1).max()
         x_m, z_m = rng.uniform(0, CROWN_FIELD_M, 2).tolist()
         speed_m_s, intensity = rng.uniform(*CROWN_SPEEDS_M_S), rng.uniform(*CROWN_INTENSITIES)
