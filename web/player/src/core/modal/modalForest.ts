@@ -13,6 +13,7 @@ import { addRows } from "./addRows";
 import { ModalDrag } from "./modalDrag";
 import { ModalKernel } from "./modalKernel";
 import { coupledOf, forceTerms, meanGust, poseTerms } from "./modalTensors";
+import { ModalTerms } from "./modalTerms";
 
 /** Trees of one table, each with its own state, orientation and time scale. */
 export class ModalForest extends TreeInstances {
@@ -34,10 +35,9 @@ export class ModalForest extends TreeInstances {
   private readonly own: number;
   private readonly kernel: ModalKernel | null;
   private readonly ahead: Float64Array;
-  private readonly terms: Float64Array;
+  private readonly polynomial: ModalTerms;
   private readonly total: Float64Array;
   private readonly further: Float64Array;
-  private readonly pair = new Float64Array(2);
   /** [G] weights of the places in the mean gust, and [d, 2, G] load of the gusts. */
   private readonly mean: Float64Array;
   private readonly placeLoad: Float64Array;
@@ -67,7 +67,7 @@ export class ModalForest extends TreeInstances {
     this.extrapolationRatio = kernel?.extrapolationRatio ?? new Float32Array(count);
     this.ahead = new Float64Array(d);
     this.c = coupledOf(modal.limits.length);
-    this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
+    this.polynomial = new ModalTerms(modal, dt_s);
     this.total = new Float64Array(d);
     this.further = new Float64Array(this.r - d);
     this.mean = meanGust(modal);
@@ -132,7 +132,7 @@ export class ModalForest extends TreeInstances {
 
   /** `places`: G, or 0 if there are no gusts. */
   private stepPlainly(i: number, px: number, pz: number, places: number): void {
-    const { d, e, v, stepOf, total, mean, local } = this;
+    const { d, e, v, stepOf, total, mean, local, polynomial } = this;
     const first = i * d;
     let feltX = px;
     let feltZ = pz;
@@ -140,9 +140,9 @@ export class ModalForest extends TreeInstances {
       feltX += mean[g] * local[g];
       feltZ += mean[g] * local[places + g];
     }
-    this.writeForceTerms(first, feltX, feltZ);
+    polynomial.writeForce(e, v, first, feltX, feltZ);
     this.writeLoads(px, pz, places);
-    addRows(this.force, this.terms, forceTerms(this.c), d, total);
+    addRows(this.force, polynomial.terms, forceTerms(this.c), d, total);
     this.drag.setWind(px, pz, places, local);
     this.addDrag(first);
     for (let k = 0; k < d; k++) {
@@ -181,121 +181,14 @@ export class ModalForest extends TreeInstances {
     this.drag.add(ahead, total);
   }
 
-  /** The two sway coordinates of a row of `values`, into `pair`. */
-  private projectOnSway(values: Numbers, first: number): void {
-    const { d, sway, pair } = this;
-    let x = 0;
-    let y = 0;
-    for (let k = 0; k < d; k++) {
-      x += sway[k] * values[first + k];
-      y += sway[d + k] * values[first + k];
-    }
-    pair[0] = x;
-    pair[1] = y;
-  }
-
-  /** Limits the length of `pair` to `far`. */
-  private clampPair(far: number): void {
-    const { pair } = this;
-    const size = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]);
-    if (!(size > far)) return;
-    pair[0] *= far / size;
-    pair[1] *= far / size;
-  }
-
-  /** Terms in the pose alone, from `at` on: sway of degree 2 and 3, each coupled coordinate times the sway. */
-  private writeShape(x: number, y: number, values: Numbers, first: number, at: number): void {
-    const { c, terms, limits } = this;
-    const xx = x * x;
-    const xy = x * y;
-    const yy = y * y;
-    terms[at] = xx;
-    terms[at + 1] = xy;
-    terms[at + 2] = yy;
-    terms[at + 3] = xx * x;
-    terms[at + 4] = xx * y;
-    terms[at + 5] = x * yy;
-    terms[at + 6] = yy * y;
-    for (let j = 0; j < c; j++) {
-      const far = MODAL_REACH * limits[3 + j];
-      const z = Math.min(Math.max(values[first + 2 + j], -far), far);
-      terms[at + 7 + 2 * j] = z * x;
-      terms[at + 8 + 2 * j] = z * y;
-    }
-  }
-
-  /** All terms of the force at the midpoint of the step, extrapolated from the current state; (px, pz): mean pressure. */
-  private writeForceTerms(first: number, px: number, pz: number): void {
-    const { d, e, v, ahead, limits, pair } = this;
-    const half = this.dt / 2;
-    for (let k = 0; k < d; k++) ahead[k] = e[first + k] + half * v[first + k];
-    this.projectOnSway(ahead, 0);
-    this.clampPair(MODAL_REACH * limits[0]);
-    const x = pair[0];
-    const y = pair[1];
-    this.writeShape(x, y, ahead, 0, 0);
-    const at = 7 + 2 * this.c;
-    this.projectOnSway(v, first);
-    this.clampPair(MODAL_REACH * limits[1]);
-    this.writeSquares(x, y, at);
-    this.writeProducts(x, y, 3, at + 9);
-    pair[0] = px;
-    pair[1] = pz;
-    this.clampPair(MODAL_REACH * limits[2]);
-    this.writeProducts(x, y, 7, at + 19);
-    this.writeCoupled(x, y, first, at + 37);
-  }
-
-  /** The velocity of each coupled coordinate times the sway, and the coordinate times the pressure in `pair`. */
-  private writeCoupled(x: number, y: number, first: number, at: number): void {
-    const { c, v, ahead, terms, limits, pair } = this;
-    for (let j = 0, to = at; j < c; j++) {
-      const far = MODAL_REACH * limits[3 + j];
-      const fast = MODAL_REACH * limits[3 + c + j];
-      const z = Math.min(Math.max(ahead[2 + j], -far), far);
-      const w = Math.min(Math.max(v[first + 2 + j], -fast), fast);
-      terms[to++] = w * x;
-      terms[to++] = w * y;
-      terms[to++] = z * pair[0];
-      terms[to++] = z * pair[1];
-    }
-  }
-
-  /** Products of the sway velocity in `pair` with itself, and these times the sway, from `at` on. */
-  private writeSquares(x: number, y: number, at: number): void {
-    const { terms, pair } = this;
-    const a = pair[0] * pair[0];
-    const b = pair[0] * pair[1];
-    const c = pair[1] * pair[1];
-    terms[at] = a;
-    terms[at + 1] = b;
-    terms[at + 2] = c;
-    terms[at + 3] = a * x;
-    terms[at + 4] = a * y;
-    terms[at + 5] = b * x;
-    terms[at + 6] = b * y;
-    terms[at + 7] = c * x;
-    terms[at + 8] = c * y;
-  }
-
-  /** `pair` times the sway and times the first `shapes` of its higher terms, from `at` on. */
-  private writeProducts(x: number, y: number, shapes: number, at: number): void {
-    const { terms, pair } = this;
-    for (let side = 0, to = at; side < 2; side++) {
-      const factor = pair[side];
-      terms[to++] = factor * x;
-      terms[to++] = factor * y;
-      for (let k = 0; k < shapes; k++) terms[to++] = factor * terms[k];
-    }
-  }
-
   /** Whether the motion is negligible, so that a tree in still air can be set to rest. */
   private isAtRest(first: number): boolean {
-    const { d, e, sway, limits, pair } = this;
+    const { d, e, sway, limits, polynomial } = this;
+    const { pair } = polynomial;
     const small = MODAL_REST * limits[0];
-    this.projectOnSway(e, first);
+    polynomial.projectOnSway(e, first);
     if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > small) return false;
-    this.projectOnSway(this.v, first);
+    polynomial.projectOnSway(this.v, first);
     if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > MODAL_REST * limits[1]) return false;
     let largest = 0;
     for (let k = 0; k < d; k++) largest = Math.max(largest, Math.abs(e[first + k]));
@@ -307,16 +200,17 @@ export class ModalForest extends TreeInstances {
    * pressure over the crown; `strength_pa`: that at the tree.
    */
   private writePose(i: number, px: number, pz: number, strength_pa: number): void {
-    const { d, c, r, e, terms, limits, pair, now, before, further, shownOf } = this;
+    const { d, c, r, e, polynomial, limits, now, before, further, shownOf } = this;
+    const { terms, pair } = polynomial;
     const first = i * d;
     for (let k = 0; k < d; k++) terms[k] = e[first + k];
     terms[d] = px;
     terms[d + 1] = pz;
-    this.projectOnSway(e, first);
+    polynomial.projectOnSway(e, first);
     const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
     this.extrapolationRatio[i] = Math.max(sway, strength_pa / limits[2]);
-    this.clampPair(MODAL_REACH * limits[0]);
-    this.writeShape(pair[0], pair[1], e, first, d + 2);
+    polynomial.clampPair(MODAL_REACH * limits[0]);
+    polynomial.writeShape(pair[0], pair[1], e, first, d + 2);
     further.fill(0);
     addRows(this.pose, terms, poseTerms(d, c), r - d, further);
     const at = i * r;
