@@ -19,19 +19,18 @@ from galewood.motion.wind.transition import WindState, steady
 from galewood.solid.fem import FemModel, FemSettings, Place, node_pressures
 from galewood.util import Floats
 
-HEIGHT_M = 9.0
+HEIGHT_M, EXPONENT = 9.0, 1.64
 GUSTY = Wind(mean_speed_m_s=8.0, direction_deg=70.0, gustiness=0.8, model="spectral", length_scale_m=24.0)
 PLACE = Place(x_m=13.0, z_m=-40.0, yaw_rad=2.2, start_s=31.0)
 
 
-def points(nodes_m: Floats, sag_m: float = 0.0) -> FemModel:
+def points(nodes_m: Floats) -> FemModel:
     """A model of which only the nodes and the time step matter."""
     none, count = np.zeros(0), len(nodes_m)
-    sag = np.tile([0.0, -sag_m, 0.0], (count, 1))
     return FemModel(
         nodes_m=nodes_m, elements=np.zeros((0, 4), np.int32), grad=none, blocks=none, mass_kg=np.ones(count),
-        drag_area_m2=np.ones(count), fixed=np.zeros(0, np.int32), gravity_n=np.zeros((count, 3)), u_rest=sag,
-        prestress=none, vertex_count=count, alpha=0.0, beta=0.0, settings=FemSettings(), report={},
+        drag_area_m2=np.ones(count), fixed=np.zeros(0, np.int32), gravity_n=np.zeros((count, 3)),
+        prestress=none, streamlined_exponent=EXPONENT, vertex_count=count, alpha=0.0, beta=0.0, settings=FemSettings(), report={},
     )  # fmt: skip
 
 
@@ -50,18 +49,18 @@ def winds(
 
 
 def test_each_node_feels_the_gust_of_its_place_in_the_world() -> None:
-    model = points(nodes(), sag_m=0.2)
+    model = points(nodes())
     found, field = winds(model, GUSTY), WindField(GUSTY)
     cos, sin = np.cos(PLACE.yaw_rad), np.sin(PLACE.yaw_rad)
     for frame in (0, 7, 19):
         time_s = PLACE.start_s + (frame + 1) * model.settings.dt_s
         tree = np.zeros((2, 1))
         factor = height_factor(np.array([HEIGHT_M]), GUSTY.height_exponent, GUSTY.reference_height_m)
-        field.pressure([PLACE.x_m], [PLACE.z_m], time_s, tree[0], tree[1], factor)
-        for node, rest_m in enumerate(model.nodes_m + model.u_rest):
+        field.pressure([PLACE.x_m], [PLACE.z_m], time_s, tree[0], tree[1], EXPONENT, factor)
+        for node, rest_m in enumerate(model.nodes_m):
             x, y, z = rest_m
             world_m = np.array([[PLACE.x_m + cos * x + sin * z, y, PLACE.z_m + cos * z - sin * x]])
-            gust, still = np.zeros((1, 2)), (np.zeros(1), np.zeros(1), np.array([[1.0, 0.0]]), np.ones(1))
+            gust, still = np.zeros((1, 2)), ((np.zeros(1), np.zeros(1)), np.array([[1.0, 0.0]]), np.ones(1))
             moment = field.at(time_s)
             write_gusts(
                 crown_field(moment.crown.seed),
@@ -69,6 +68,7 @@ def test_each_node_feels_the_gust_of_its_place_in_the_world() -> None:
                 world_m,
                 *still,
                 (tree[0], tree[1]),
+                EXPONENT,
                 gust,
             )
             along, across = gust[0]
@@ -98,7 +98,7 @@ def test_a_wind_beyond_the_range_is_compressed_as_a_whole() -> None:
         Wind(mean_speed_m_s=30.0, gustiness=0.5, model="spectral", length_scale_m=24.0),
     )
     factor = height_factor(np.array([HEIGHT_M]), storm.height_exponent, storm.reference_height_m)
-    peak_pa = float(dynamic_pressure(45.0 * factor)[0])
+    peak_pa = float(dynamic_pressure(45.0 * factor, EXPONENT)[0])
     most_pa = 0.4 * peak_pa
     plain, squeezed = winds(model, storm), winds(model, storm, most_pa=most_pa)
     below = np.linalg.norm(plain[:, -1], axis=1) <= peak_pa
