@@ -30,7 +30,8 @@ def points(nodes_m: Floats) -> FemModel:
     return FemModel(
         nodes_m=nodes_m, elements=np.zeros((0, 4), np.int32), grad=none, blocks=none, mass_kg=np.ones(count),
         drag_area_m2=np.ones(count), fixed=np.zeros(0, np.int32), gravity_n=np.zeros((count, 3)),
-        prestress=none, streamlined_exponent=EXPONENT, vertex_count=count, alpha=0.0, beta=0.0, settings=FemSettings(), report={},
+        prestress=none, streamlined_exponent=EXPONENT, vertex_count=count, alpha=0.0, beta=0.0,
+        settings=FemSettings(), report={},
     )  # fmt: skip
 
 
