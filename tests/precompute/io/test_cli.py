@@ -46,6 +46,18 @@ def test_a_file_that_is_no_mesh_fails_with_a_sentence(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+def test_a_build_asks_before_it_computes(tmp_path: Path) -> None:
+    file = labelled_file("garden_scene", 41)
+    mesh, out = tmp_path / file.filename, tmp_path / "out.gwt"
+    mesh.write_bytes(file.data)
+    result = CliRunner().invoke(app, ["build", str(mesh), "--out", str(out), "--cache-dir", str(tmp_path)])
+    assert result.exit_code == 1 and not out.exists()
+    said = " ".join(result.output.split())
+    assert "Please check:" in said and "--accept" in said
+    checked = CliRunner().invoke(app, ["check", str(mesh), "--strict"])
+    assert checked.exit_code == 3 and "Please check:" in checked.output
+
+
 def test_export_of_a_table_without_its_mesh_fails_with_a_sentence(tmp_path: Path) -> None:
     table = tmp_path / "pole.gwt"
     table.write_bytes(GOLDEN.read_bytes())

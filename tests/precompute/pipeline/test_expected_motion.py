@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from galewood.pipeline.stages.kernel_compilation import small_tree_obj
 from galewood.pipeline.tables import BuildOptions, expected_motion, motion_lines
 from galewood.pipeline.tables.expected import length_words
 from galewood.pipeline.tables.stiffness import Goal, goal_of, scaled_to
-from galewood.solid.model import beam_model, typical_frequency_hz
+from galewood.solid.model import BeamModel, beam_model, typical_frequency_hz
 from galewood.tree import TreeMesh
 from galewood.tree.importer import read_tree
 from galewood.util import MeshError
@@ -123,6 +124,16 @@ def test_the_weight_of_the_tree_is_corrected_for() -> None:
     assert model.report["stiffness"]["factor"] == pytest.approx(
         wood.young_longitudinal_pa / WOOD.young_longitudinal_pa
     )
+
+
+def test_beams_without_a_frequency_say_nothing(tree: TreeMesh, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(*args: object, **kwargs: object) -> BeamModel:
+        model = beam_model(tree, WOOD)
+        return replace(model, frequencies_hz=np.full_like(model.frequencies_hz, np.nan))
+
+    monkeypatch.setattr("galewood.pipeline.tables.expected.beam_model", unknown)
+    assert expected_motion(tree) is None
+    assert "nan" not in " ".join(motion_lines(None)) and "Unsure" in motion_lines(None)[0]
 
 
 def test_wood_without_branches_cannot_be_given_a_sway(

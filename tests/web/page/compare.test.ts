@@ -85,6 +85,7 @@ describe("detected properties of an upload", () => {
     species: { value: "poplar", reason: "the name" },
     parts: [{ kind: "wood" }, { kind: "wood" }, { kind: "leaves" }],
     warnings: ["The unit is assumed."],
+    questions: ["Unsure about 30% of the faces."],
   };
 
   test("are read from an import report, or from the one inside a build report", () => {
@@ -92,6 +93,7 @@ describe("detected properties of an upload", () => {
       const assumed = assumedOf(report);
       expect(assumed.axis.value).toBe("z");
       expect(assumed.warnings).toEqual(["The unit is assumed."]);
+      expect(assumed.questions).toEqual(["Unsure about 30% of the faces."]);
     }
   });
 

@@ -62,7 +62,7 @@ async def upload_tree(
         new = False
     response.status_code = 201 if new else 200
     response.headers["Location"] = f"/api/trees/{tree.id}"
-    build = build and new and not tree.report["needs_review"]
+    build = build and new and not tree.report.get("needs_review")
     return await asyncio.to_thread(_queue_build, service, tree) if build else tree
 
 

@@ -35,6 +35,20 @@ def test_pieces_can_be_chosen_and_restored(api: httpx.Client) -> None:
     assert pot["id"] in refused.json()["hint"]
 
 
+def test_nothing_is_computed_before_questions_are_answered_or_accepted(api: httpx.Client) -> None:
+    file = labelled_file("garden_scene", 41)
+    sent = {"file": (file.filename, file.data)}
+    asked = api.post("/api/trees?build=true", files=sent).json()
+    assert (asked["state"], asked["job_id"]) == ("uploaded", None)
+    assert asked["report"]["needs_review"] and "rock" in asked["report"]["questions"][0]
+    accepted = api.post("/api/trees?build=true", files=sent, data={"accept": "true"}).json()
+    assert accepted["job_id"] is not None and not accepted["report"]["needs_review"]
+    api.post(f"/api/jobs/{accepted['job_id']}/cancel")
+    plain = [p["id"] for p in asked["report"]["pieces"] if p["kind"] == "other"]
+    answered = api.patch(f"/api/trees/{asked['id']}", json={"drop": plain}).json()
+    assert answered["report"]["questions"] == []
+
+
 def test_every_tree_of_a_file_can_be_an_upload_of_its_own(api: httpx.Client) -> None:
     file = labelled_file("two_trees", 41)
     trees = [
