@@ -14,7 +14,7 @@ from galewood.motion.modal import (
     force_terms,
     write_force_terms,
 )
-from galewood.pipeline.reduction import output_error
+from galewood.pipeline.reduction import output_error, run_lanes
 from galewood.pipeline.reduction.modal_fit import force_table
 from galewood.pipeline.reduction.modal_runs import ModalRun
 from galewood.pipeline.reduction.oscillators import felt_wind, propagators
@@ -120,8 +120,8 @@ def shapes(d: int) -> Floats:
 
 def simulation(runs: list[ModalRun]) -> output_error.Simulation:
     own = shapes(len(MODAL.shown))
-    side_by_side = output_error.side_by_side(MODAL, runs, np.ones(len(runs)))
-    return output_error.Simulation(MODAL, side_by_side, own @ own.T / 10, DT_S)
+    lanes = run_lanes.side_by_side(MODAL, runs, np.ones(len(runs)))
+    return output_error.Simulation(MODAL, lanes, own @ own.T / 10, DT_S)
 
 
 def exact_force() -> Floats:

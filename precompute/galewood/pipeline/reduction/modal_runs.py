@@ -16,6 +16,9 @@ from galewood.util import Array, Floats
 LIGHT_SHARE = 0.05
 """Lower bound of a run's sway in its weight, over the largest sway of all runs."""
 
+GUSTY_WEIGHT = 0.35
+"""Weight of a run with gusts within the crown: its relative error remains about three times as large."""
+
 
 class RunLike(Protocol):
     """A training run from rest: displacement (T + 1, n, 3), m, under the pressure (T, 2), Pa.
@@ -87,9 +90,13 @@ def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Float
 
 
 def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
-    """(R,) weight of the error of each run: 1 / (largest sway), mean 1, so that relative errors count."""
+    """(R,) weight of the error of each run: 1 / (largest sway), mean 1, so that relative errors count.
+
+    Less for runs with gusts within the crown, a part of which no place feels.
+    """
+    gusty = np.array([bool(run.wind.local_pa.any()) for run in runs])
     farthest = [np.linalg.norm(run.e @ sway.T, axis=1).max() for run in runs]
-    weights = 1.0 / np.maximum(farthest, LIGHT_SHARE)
+    weights = np.where(gusty, GUSTY_WEIGHT, 1.0) / np.maximum(farthest, LIGHT_SHARE)
     return weights / weights.mean()
 
 

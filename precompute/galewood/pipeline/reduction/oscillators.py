@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from galewood.pipeline.reduction.places import Places, no_places, places_of
-from galewood.pipeline.sampling import GOLDEN_RAD, NO_GUSTS, CrownGusts, noise
+from galewood.pipeline.sampling import CROWN_FIELD_M, GOLDEN_RAD, NO_GUSTS, CrownGusts, noise
 from galewood.solid.fem import FemModel, FemSettings, natural_modes
 from galewood.util import Floats
 from galewood.wood import BARE_EXPONENT
@@ -207,7 +207,7 @@ def crown_winds(dt_s: float, exponent: float) -> list[tuple[Floats, CrownGusts]]
     winds: list[tuple[Floats, CrownGusts]] = []
     for k, speed_m_s in enumerate(np.linspace(*CROWN_SPEEDS_M_S, CROWN_WINDS).tolist()):
         heading = k * GOLDEN_RAD
-        x_m, z_m = rng.uniform(0, 48.0, 2).tolist()
+        x_m, z_m = rng.uniform(0, CROWN_FIELD_M, 2).tolist()
         gusts = CrownGusts(k, x_m, z_m, heading, speed_m_s, CROWN_INTENSITY, exponent)
         winds.append((np.outer(pressure, (np.cos(heading), np.sin(heading))), gusts))
     return winds

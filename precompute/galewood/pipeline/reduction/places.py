@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from galewood.motion.wind import crown_field, write_gusts
+from galewood.pipeline.sampling import CROWN_FIELD_M
 from galewood.util import Array, Floats, Singles
 
 PLACE_COUNT = 24
@@ -27,7 +28,6 @@ LEAST_NEWS = 0.05
 """A place must add at least this share of its variance to what the other places know."""
 FIELD_COUNT, FIELD_SAMPLES, FIELD_SEED = 8, 150, 4
 """Crown fields, and their positions and headings, over which the covariance of the gusts is averaged."""
-FIELD_M = 48.0
 NUGGET_SHARE = 1e-2
 """Share of the variance added to that of each place, so that places near each other are no difficulty."""
 WEAK_INTENSITY = 1e-3
@@ -105,7 +105,7 @@ def _sampled_gusts(place_m: Floats) -> Singles:
     rng, ones = np.random.default_rng(FIELD_SEED), np.ones(FIELD_SAMPLES)
     found: list[Singles] = []
     for seed in range(FIELD_COUNT):
-        x_m, z_m = rng.uniform(0, FIELD_M, (2, FIELD_SAMPLES))
+        x_m, z_m = rng.uniform(0, CROWN_FIELD_M, (2, FIELD_SAMPLES))
         yaw_rad = rng.uniform(0, 2 * np.pi, FIELD_SAMPLES)
         turn = np.stack([np.cos(yaw_rad), np.sin(yaw_rad)], axis=1)
         out = np.zeros((FIELD_SAMPLES, 2 * len(place_m)))

@@ -1,3 +1,4 @@
+from .crown_gusts import CROWN_FIELD_M as CROWN_FIELD_M
 from .crown_gusts import NO_GUSTS as NO_GUSTS
 from .crown_gusts import CrownGusts as CrownGusts
 from .design_speed import MAX_SWAY_SHARE as MAX_SWAY_SHARE

@@ -9,8 +9,12 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
+from galewood.constants import CROWN_CELL_M, CROWN_CELLS
 from galewood.motion.wind import crown_field, write_gusts
 from galewood.util import Array, Floats
+
+CROWN_FIELD_M = CROWN_CELLS * CROWN_CELL_M
+"""Distance after which the field repeats."""
 
 
 @dataclass(frozen=True)

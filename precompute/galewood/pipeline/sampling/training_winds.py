@@ -14,7 +14,7 @@ import numpy as np
 
 from galewood.motion.wind import dynamic_pressure
 from galewood.options import TRAINING_SEED
-from galewood.pipeline.sampling.crown_gusts import NO_GUSTS, CrownGusts
+from galewood.pipeline.sampling.crown_gusts import CROWN_FIELD_M, NO_GUSTS, CrownGusts
 from galewood.pipeline.sampling.recording import SampleWind
 from galewood.util import Floats
 
@@ -38,8 +38,6 @@ HEADING_TURNS = 0.5
 """Turns of the heading during a wind, in addition to its variation."""
 CROWN_INTENSITIES, CROWN_SPEEDS_M_S = (0.25, 0.6), (4.0, 18.0)
 """Ranges of the gusts within the crown: standard deviation over the speed, and how fast they pass."""
-CROWN_FIELD_M = 48.0
-"""Distance after which the field of these gusts repeats."""
 CALM_FRAMES = 60
 """Still air at the end of some winds: a free decay after an abrupt stop."""
 GOLDEN_RAD = np.pi * (3.0 - np.sqrt(5.0))
