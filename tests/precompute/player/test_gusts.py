@@ -126,7 +126,7 @@ def test_the_places_estimate_the_gusts_at_the_nodes() -> None:
     nearest = np.argmin(gap, axis=1)
     errors, nearest_errors = [], []
     for k in range(40):
-        x_m, z_m, heading_rad = rng.uniform((0, 0, 0), (48, 48, 6)).tolist()
+        x_m, z_m, heading_rad = rng.uniform(0, (48.0, 48.0, 6.0)).tolist()
         gusts = CrownGusts(900 + k, x_m, z_m, heading_rad, 0.0, 0.01, 1.3)
         wind = np.array([[np.cos(gusts.heading_rad), np.sin(gusts.heading_rad)]])
         exact = gusts.local_pa(node_m, wind, 1 / 30)[0]
