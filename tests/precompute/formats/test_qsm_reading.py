@@ -44,6 +44,7 @@ def test_the_report_has_exact_volume_and_diameter(name: str) -> None:
     assert qsm["height_m"] == pytest.approx(4.0)
     assert tree.report["unit"] == {
         "value": "m", "metres_per_unit": 1.0, "reason": "cylinder models are in metres", "assumed": False,
+        "unsure": False,
     }  # fmt: skip
     assert ("models" in " ".join(tree.report["warnings"])) == (name == "array.mat")
 

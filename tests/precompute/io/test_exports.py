@@ -226,9 +226,10 @@ def test_the_pivot_textures_hold_a_hierarchy_of_four_levels(exports: Exports) ->
     assert np.abs(np.linalg.norm(direction, axis=1) - 1).max() < 0.01
     for one in np.unique(part):
         mine = np.flatnonzero(part == one)
-        farthest = mine[reach[mine].argmax()]
-        along = (unreal_cm[farthest] - pivot_cm[farthest]) @ direction[farthest]
-        assert along > 0.97 * reach[farthest] - 1
+        # the rounding of the pivots hides which of several about as far is the farthest
+        farthest = mine[reach[mine] > reach[mine].max() - 2]
+        along = ((unreal_cm - pivot_cm)[farthest] * direction[farthest]).sum(axis=1)
+        assert along.max() > 0.97 * reach[farthest].max() - 1
 
 
 def test_parent_indices_are_packed_as_unreal_unpacks_them() -> None:
