@@ -14,7 +14,7 @@ LIMIT = 0.007
 """Of the height."""
 GROWTH_LIMIT = 1.2
 
-pytestmark = pytest.mark.timeout(1800)
+pytestmark = [pytest.mark.timeout(1800), pytest.mark.long]
 
 
 @pytest.fixture(scope="module")
