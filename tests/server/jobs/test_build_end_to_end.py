@@ -149,7 +149,10 @@ def follow(api: httpx.Client, tree_id: str, job_id: str) -> tuple[dict[str, str]
 def assert_compares(api: httpx.Client, tree: dict[str, Any], table: table_format.Table) -> None:
     """A comparison finishes, its tracks are valid, and the modal model is close to the reference solution."""
     place = {"x_m": 3.0, "z_m": -2.0, "yaw_rad": 0.7, "frames": 90}
-    answer = api.post(f"/api/trees/{tree['id']}/comparisons", json={"wind": BREEZE | {"model": "perlin"}, **place})
+    answer = api.post(
+        f"/api/trees/{tree['id']}/comparisons",
+        json={"wind": BREEZE | {"model": "perlin", "length_scale_m": 24.0}, **place},
+    )
     assert answer.status_code == 202, answer.text
     url = answer.headers["location"]
     wait_until(lambda: api.get(url).json()["state"] not in ("queued", "running"), LONG_S, 0.5)
