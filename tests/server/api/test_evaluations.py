@@ -100,7 +100,7 @@ def test_an_identical_evaluation_runs_once(api: httpx.Client, tree: dict[str, An
 def test_the_records_of_a_tree_make_another_evaluation(server: Server, api: httpx.Client) -> None:
     held = hold_records(server.data_dir, "study-records.obj")
     tree = api.post("/api/trees?build=true", files={"file": ("study-records.obj", b"study-records")}).json()
-    wait_until(lambda: api.get(f"/api/trees/{tree['id']}").json()["state"] == "ready")
+    wait_until(lambda: api.get(f"/api/trees/{tree['id']}").json()["state"] == "ready", 240)
     before = evaluate(api, tree, frames=120)
     assert before.json()["settings"]["records_sha256"] is None
     assert evaluate(api, tree, frames=120).json()["id"] == before.json()["id"]
