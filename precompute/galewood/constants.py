@@ -10,7 +10,9 @@ from typing import Any
 HALF_AIR_DENSITY_KG_M3 = 0.6
 """Dynamic pressure over speed squared up to the streamlining speed; the air has 1.2 kg/m³ [Pa·s²/m²]."""
 STREAMLINING_SPEED_M_S = 5.0
-"""Above this speed the crown reconfigures and its drag grows more slowly than U² [m/s]."""
+"""Above this speed the pressure grows with the streamlined exponent of the tree (metadata of the table)
+[m/s].
+"""
 STREAMLINING_PRESSURE_PA = 15.0
 """Dynamic pressure at the streamlining speed [Pa]."""
 PRESSURE_COMPRESSION = 0.25

@@ -4,7 +4,10 @@
 
 /** Dynamic pressure over speed squared up to the streamlining speed; the air has 1.2 kg/m³ [Pa·s²/m²]. */
 export const HALF_AIR_DENSITY_KG_M3: f32 = 0.6;
-/** Above this speed the crown reconfigures and its drag grows more slowly than U² [m/s]. */
+/**
+ * Above this speed the pressure grows with the streamlined exponent of the tree (metadata of the table)
+ * [m/s].
+ */
 export const STREAMLINING_SPEED_M_S: f32 = 5;
 /** Dynamic pressure at the streamlining speed [Pa]. */
 export const STREAMLINING_PRESSURE_PA: f32 = 15;

@@ -26,8 +26,8 @@ class EvaluationOptions(BaseModel):
     )
     sway: float | None = Field(
         default=None,
-        description="Scale each wind instead until the tree sways by this share of its height, or until the "
-        "wind is the strongest that the table was made from.",
+        description="Scale each wind instead until the tree sways by this share of its height, at most to "
+        "the strongest wind that the table was made from (uniform winds) or a mean speed of 60 m/s (gusts).",
     )
     seed: EvaluationSeed = EVALUATION_SEED
     long: int = Field(

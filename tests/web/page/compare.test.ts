@@ -43,12 +43,12 @@ describe("the tracks of a comparison", () => {
     const { gusts, uniform } = decodeTracks(encode(good));
     const says = "Maximum displacement: 20 % of tree height. Maximum error: 0.2 % of tree height (Hausdorff distance 0.1 %).";
     const [first, second, ...further] = verdictLines(gusts, uniform, "modal");
-    expect(first).toBe(`In gusts, as shown: ${says}`);
-    expect(second).toMatch(/^In a uniform wind, the same on all branches: .*displacement: 15 %.*error: 0.02 %/);
+    expect(first).toBe(`In gusts, as shown. ${says}`);
+    expect(second).toMatch(/^In a uniform wind, the same on all branches\. .*displacement: 15 %.*error: 0.02 %/);
     expect(further).toEqual([]);
     const alone = { ...gusts, error: { ...gusts.error, paper: null } };
     expect(verdictLines(alone, uniform, "paper")[0]).toBe(first);
-    expect(verdictLines(gusts, gusts, "modal")).toEqual([`In this wind, the same on all branches: ${says}`]);
+    expect(verdictLines(gusts, gusts, "modal")).toEqual([`In this wind, the same on all branches. ${says}`]);
   });
 
   test.each([

@@ -21,6 +21,7 @@ import {
   viewsAround,
 } from "../../../web/src/scene/impostors/baking/octahedral";
 import { SHADE_M, SHADE_SIDE, shadeOf } from "../../../web/src/scene/impostors/shadeMap";
+import { dynamicPressure } from "../../../web/player/src/core/wind/pressure";
 import { airDamping, freeStep, Sway } from "../../../web/src/scene/impostors/sway";
 import { treeBox } from "../../../web/src/scene/impostors/baking/treeBox";
 import { placeTrees, reach_m, SPACING_M } from "../../../web/src/scene/placement";
@@ -307,6 +308,13 @@ describe("sway of background trees", () => {
     const sway = { frequency_hz: 0.5, damping: 0.03, tip_m_pa: 0.01, streamlined: 2 };
     expect(airDamping(sway, 0)).toBe(0);
     for (const speed of [2, 20]) expect(airDamping(sway, 2 * speed)).toBeCloseTo(2 * airDamping(sway, speed), 10);
+    const slope = (n: number, speed: number) => (dynamicPressure(speed + 1e-4, n) - dynamicPressure(speed - 1e-4, n)) / 2e-4;
+    for (const n of [1.3, 2]) {
+      for (const speed of [2, 20]) {
+        const half = Math.PI * sway.frequency_hz * sway.tip_m_pa * slope(n, speed);
+        expect(airDamping({ ...sway, streamlined: n }, speed)).toBeCloseTo(half, 6);
+      }
+    }
   });
 
   test("an oscillator is recovered from its step", () => {

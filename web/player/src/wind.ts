@@ -1,5 +1,5 @@
 /** The wind anywhere and at any time: documents, their evaluation, gust fronts, spectra and plain editing. */
-export { FRONT_LIFE_S, MOST_FRONTS, WIND_MODELS as MODELS } from "./core/constants";
+export { FRONT_LIFE_S, MOST_FRONTS, STREAMLINING_SPEED_M_S, WIND_MODELS as MODELS } from "./core/constants";
 export {
   FIELDS,
   hasField,

@@ -7,14 +7,15 @@ import { PreviewStage } from "../../scene/previewStage";
 import { BentTree } from "./bentTree";
 import { poseAt, type Tracks } from "./tracks";
 
+/** Error relative to the height that is shown in full red. */
+export const FULL_RED_ERROR_SHARE = 0.02;
+
 /** Display options of a comparison. */
 export interface Shown {
   method: Method;
   ghost: boolean;
   /** Magnification of the motion. */
   times: number;
-  /** Error relative to the height that is shown in full red. */
-  worst: number;
 }
 
 export class ComparisonScene {
@@ -38,14 +39,14 @@ export class ComparisonScene {
   }
 
   /** Shows the comparison at a fractional frame `place`. */
-  show(tracks: Tracks, place: number, { method, ghost, times, worst }: Shown): void {
+  show(tracks: Tracks, place: number, { method, ghost, times }: Shown): void {
     if (!this.solid || !this.ghost) return;
     poseAt(tracks.q[method] ?? tracks.q.modal, tracks.modes, place, this.pose);
     this.solid.bend(this.pose, times);
     poseAt(tracks.q.fem, tracks.modes, place, this.pose);
     this.ghost.bend(this.pose, times);
     this.solid.show();
-    this.solid.paint(this.ghost.pose, times * worst * tracks.height_m);
+    this.solid.paint(this.ghost.pose, times * FULL_RED_ERROR_SHARE * tracks.height_m);
     this.ghost.group.visible = ghost;
     if (ghost) this.ghost.show();
   }

@@ -2,7 +2,7 @@
 
 import type { TableMotion } from "galewood/client";
 import { NodePose } from "galewood/motion";
-import type { WindField } from "galewood/wind";
+import { heightFactor, type WindField } from "galewood/wind";
 import { Group, type Object3D, Vector3 } from "three";
 import { ErrorPoints } from "../../scene/overlays/errorPoints";
 import { NodeBinding } from "../../scene/overlays/nodeBinding";
@@ -122,9 +122,9 @@ export function windDrawing(field: WindField, motion: TableMotion, frame: Object
       });
       const moment = field.at(time_s);
       field.velocity(x, z, moment, vx, vz);
-      const { mean_speed_m_s, height_exponent = 0.2, reference_height_m = 12 } = moment.wind;
+      const { mean_speed_m_s, height_exponent, reference_height_m } = moment.wind;
       chosen.forEach((_, k) => {
-        const profile = (height_m[k] / reference_height_m) ** height_exponent;
+        const profile = heightFactor(height_m[k], height_exponent, reference_height_m);
         place.set(x[k], y[k], z[k]);
         arrows.set(k, place, { x: profile * vx[k], z: profile * vz[k] }, mean_speed_m_s);
       });

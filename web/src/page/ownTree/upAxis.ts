@@ -25,6 +25,6 @@ export function upAxisRow({ axis }: Assumed, change: (axis: UpAxis) => void): HT
     make("span", "No, up is"),
     ...AXES.filter(([id]) => id !== assumed).map(([id, words]) => button(words, () => change(id))),
   );
-  question.append(yes, no, make("small", `The up axis is uncertain: ${axis.reason}.`));
+  question.append(yes, no);
   return question;
 }

@@ -78,8 +78,8 @@ export function factsOf(
       "Truncation error",
       shareOfHeight(of("table", "errors", "truncation_max_m"), height_m),
       (share) => `${(100 * share).toFixed(2)} % of height`,
-      "Largest displacement error of any point caused by keeping only these modes, in the training winds, which are the " +
-        "same on all branches. Check accuracy measures the whole error, in gusts.",
+      "Largest displacement error of any point caused by keeping only these modes, in the training winds. " +
+        "Check accuracy measures the whole error, in gusts.",
     ),
     fact(
       "Wood stretch",

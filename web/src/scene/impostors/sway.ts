@@ -4,7 +4,7 @@
  */
 
 import type { FirstSway } from "galewood/client";
-import { dynamicPressure } from "galewood/wind";
+import { dynamicPressure, STREAMLINING_SPEED_M_S } from "galewood/wind";
 
 /** Largest displacement of the tip relative to the height. */
 const MOST_SWAY = 0.22;
@@ -34,12 +34,13 @@ function softened(push_m: number, most_m: number): number {
 }
 
 /**
- * Damping ratio of the air: drag K (U - v)² on a body of stiffness k that it bends by x = K U² / k opposes the motion by
- * 2 K U v, hence a ratio of ω x / U.
+ * Damping ratio of the air: drag p(U - v) that bends a body of stiffness k by x = p(U) / k opposes the motion by p'(U) v.
+ * p grows with the power n of the speed: p' = n p / U, hence a ratio of n ω x / 2 U.
  */
 export function airDamping({ frequency_hz, tip_m_pa, streamlined }: FirstSway, speed_m_s: number): number {
   if (speed_m_s < 1e-3) return 0;
-  return (2 * Math.PI * frequency_hz * tip_m_pa * dynamicPressure(speed_m_s, streamlined)) / speed_m_s;
+  const power = speed_m_s > STREAMLINING_SPEED_M_S ? streamlined : 2;
+  return (power * Math.PI * frequency_hz * tip_m_pa * dynamicPressure(speed_m_s, streamlined)) / speed_m_s;
 }
 
 export class Sway {

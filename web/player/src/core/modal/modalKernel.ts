@@ -161,7 +161,7 @@ export class ModalKernel {
       terms: given.force.length / own,
       ahead: own,
       total: own,
-      air: (2 / 3) * given.dragPoint.length,
+      air: (2 * given.dragPoint.length) / 3,
       dragForce: given.dragPoint.length,
       e: count * own,
       v: count * own,
