@@ -178,7 +178,7 @@ page-types: $(VENV)/.base ## write the page's types of the REST interface again
 constants: $(VENV)/.dev ## write the modules of the constants that Python and TypeScript share, from spec/constants.json
 	$(BIN)/python -m scripts.write_constants
 
-# on one thread, as the tests fit: the sums of several differ in the last digit, and so does where the fit ends
+# on one thread, like the fits of the tests: with several, sums differ in the last digit, and so does the result of a fit
 golden: export OPENBLAS_NUM_THREADS := 1
 golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make

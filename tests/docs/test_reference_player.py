@@ -289,6 +289,7 @@ def test_built_in_trees_move_as_those_that_the_server_streams(name: str) -> None
         stepper.write_poses(sent)
         q = [next(one) for one in played]
         worst_mm = max(worst_mm, millimetres(basis, q, sent * unit_m))
+        # half a unit, and float32 of up to 2^15 units
         assert np.abs(np.array(q) - sent * unit_m).max() < 0.501 * unit_m.max()
     print(f"{name}: the stream rounds by up to {worst_mm:.2f} mm, at worst {bound_mm:.2f} mm")
     assert worst_mm < bound_mm < 0.92

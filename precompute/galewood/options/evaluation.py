@@ -9,7 +9,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 EvaluationSeed = Annotated[
-    int, Field(ge=0, lt=2**31, description="Seed of the winds' directions and timing.")
+    int, Field(ge=0, lt=2**31, description="Seed of the winds, their gusts, and the tree's place.")
 ]
 EVALUATION_SEED = 20_001
 EVALUATION_FRAMES = 660

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.motion.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor
+from galewood.motion.wind import TreePressure, Wind, WindField
 from galewood.player.modal_forest import ModalForest
 from galewood.player.place_gusts import PlaceGusts
 from galewood.solid.skinning import node_pose
@@ -69,19 +69,18 @@ def periodic_motion(table: Table, wind: Wind, seconds: float) -> PeriodicMotion:
 def _recorded(table: Table, wind: Wind, count: int) -> _Pressures:
     """The pressures of ``count`` table steps, as ``WindDrivenTrees`` has them."""
     dt_s, field, place = float(table.metadata["dt_s"]), WindField(wind), np.zeros(1)
-    height_m = np.array([float(table.metadata["height_m"])])
-    factor = height_factor(height_m, wind.height_exponent, wind.reference_height_m)
+    height_m, most_pa = [float(table.metadata["height_m"])], float(table.modal_limits[2])
     exponent = table.streamlined_exponent
-    peak_pa = dynamic_pressure(wind.mean_speed_m_s * (1.0 + wind.gustiness) * factor, exponent)
-    forest, places, ratio = _tree(table), PlaceGusts(table.modal_place, exponent, 1), np.zeros(1)
+    pressure = TreePressure(place, place, height_m, most_pa, exponent, limited=False)
+    forest, places = _tree(table), PlaceGusts(table.modal_place, exponent, 1)
     found = _Pressures(
         np.zeros((count, 1)), np.zeros((count, 1)), np.zeros((count, 1, 2 * len(table.modal_place)))
     )
     for k in range(count):
-        now_s, x, z = START_S + k * dt_s, found.x[k], found.z[k]
-        field.pressure(place, place, now_s, x, z, exponent, factor)
-        compress_pressure(x, z, peak_pa, float(table.modal_limits[2]), ratio)
-        found.gusts[k] = places.at(field, now_s, forest.standing, x, z)
+        now_s = START_S + k * dt_s
+        pressure.advance(field, now_s)
+        found.x[k], found.z[k] = pressure.x_pa, pressure.z_pa
+        found.gusts[k] = places.at(field, now_s, forest.standing, pressure.x_pa, pressure.z_pa)
     return found
 
 

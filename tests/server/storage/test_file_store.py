@@ -39,8 +39,10 @@ def test_damaged_bytes_are_not_compressed(tmp_path: Path) -> None:
     read: list[str] = []
 
     def get() -> bytes:
-        read.append(name)
-        return store.get(name)
+        try:
+            return store.get(name)
+        finally:
+            read.append(name)
 
     assert encoded_file(tmp_path / "encoded", name, "gzip", get) is None
     wait_until(lambda: read)

@@ -112,7 +112,7 @@ def _scaled(simulator: Simulator, task: GustTask) -> GustRun:
         gap, speed_m_s = task.sway_m / max(run.sway_m, 1e-9), run.wind.mean_speed_m_s
         factor = min(gap, 3.0) ** (1.0 / simulator.model.streamlined_exponent)
         wanted_m_s = min(speed_m_s * factor, MOST_SPEED_M_S)
-        if abs(gap - 1.0) <= SWAY_TOLERANCE or abs(wanted_m_s / speed_m_s - 1.0) <= 1e-3:
+        if abs(gap - 1.0) <= SWAY_TOLERANCE or abs(wanted_m_s - speed_m_s) <= 1e-3 * speed_m_s:
             break
         run = _follow_scaled(simulator, task, run.wind, wanted_m_s)
     return run

@@ -6,7 +6,7 @@ each of its nodes (``galewood.solid.fem.node_pressures``). Place, heading and gu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse
 
 from galewood.check.evaluation.branches import branch_motion_m
+from galewood.check.evaluation.evaluate import OnProgress, methods_of
 from galewood.check.evaluation.gust_runs import GustRun, GustTask, run_gusts
 from galewood.check.evaluation.source import ModelSource
 from galewood.motion.wind import PRESETS, Wind, WindField, WindState
@@ -25,7 +26,6 @@ from galewood.solid.skinning import joint_rows, points_embedding
 from galewood.table import Table
 from galewood.util import Array, Floats
 
-OnProgress = Callable[[float, str], None]
 SPEEDS_M_S, SWAYS = (7.0, 18.0), (0.1, 0.2)
 """Mean speeds of the winds, and the shares of the height to which further ones are scaled."""
 SCALED_FROM_M_S = 12.0
@@ -139,9 +139,7 @@ def case_figures(table: Table, source: ModelSource, place: Place, run: GustRun) 
 
     state = WindState(run.wind, run.wind)
     methods: dict[str, Any] = {}
-    for name in METHOD_NAMES:
-        if name == "paper" and table.paper is None:
-            continue
+    for name in (one for one in METHOD_NAMES if one in methods_of(table)):
         q, ratio = play_in_wind(table, state, place, frames, name)
         methods[name] = {**figures(q), "extrapolation_ratio": ratio}
     flat = nodes.reshape(frames, -1).T

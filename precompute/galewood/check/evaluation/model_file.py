@@ -90,13 +90,19 @@ def built_again(table: Table, mesh: Path, cache_dir: Path) -> Path:
 
 
 def check_model(model: FemModel, metadata: Metadata, name: str) -> None:
-    """Raise SourceError unless a model is that of a table: the same hash, or the same first frequencies."""
+    """Raise SourceError unless a model is that of a table.
+
+    It has the same hash, or the same wood, exponent of the wind, tetrahedra and first frequencies.
+    """
     if content_hash(model) == _model_sha256(metadata):
         return
     own, found = (np.array(hz) for hz in (metadata["frequencies_hz"], model.report["frequencies_hz"]))
     hint = "Give the cache of its build (--cache-dir) or its model file (--model), or build the table again"
     if len(own) != len(found) or len(model.elements) != metadata["provenance"]["tetrahedra"]:
         raise SourceError(f"{name} is not the model of this table: it has other tetrahedra. {hint}")
+    same_air = model.streamlined_exponent == metadata["streamlined_exponent"]
+    if not same_air or model.report["wood"] != metadata["provenance"]["wood"]:  # frequencies do not show it
+        raise SourceError(f"{name} is not the model of this table: it has another wood or foliage. {hint}")
     worst = float(np.abs(found / own - 1.0).max())
     if not worst <= SAME_FREQUENCIES:
         raise SourceError(

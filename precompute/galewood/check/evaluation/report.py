@@ -8,7 +8,7 @@ from typing import Any
 from galewood.check.evaluation.evaluate import OnProgress, evaluate_table
 from galewood.check.evaluation.gusts import evaluate_in_gusts
 from galewood.check.evaluation.long_run import long_run, play_beyond_range
-from galewood.check.evaluation.model_file import SourceError, model_file
+from galewood.check.evaluation.model_file import SourceError
 from galewood.check.evaluation.plot import plot_errors
 from galewood.check.evaluation.source import source_of
 from galewood.options import EvaluationOptions
@@ -57,14 +57,11 @@ def run_evaluation(
     """
     decoded = decode(table.read_bytes(), records.read_bytes() if records else None)
     drawn, references = mesh or mesh_of(table), reference_dir or cache_dir
-    on_progress(0.0, "Finding the model")
-    own = model_file(decoded, drawn, cache_dir, model)
-    middle = 0.6 if options.long else 1.0
-    in_gusts = evaluate_in_gusts(decoded, own, options, references, share(on_progress, 0.05, 0.4 * middle))
     source = source_of(
-        decoded, drawn, cache_dir, share(on_progress, 0.4 * middle, 0.5 * middle),
-        model=own.model_path, workers=options.workers,
-    )  # fmt: skip
+        decoded, drawn, cache_dir, share(on_progress, 0.0, 0.1), model=model, workers=options.workers
+    )
+    middle = 0.6 if options.long else 1.0
+    in_gusts = evaluate_in_gusts(decoded, source, options, references, share(on_progress, 0.1, 0.5 * middle))
     uniform = evaluate_table(decoded, source, options, references, share(on_progress, 0.5 * middle, middle))
     found: dict[str, Any] = {
         "species": decoded.metadata.get("species"),

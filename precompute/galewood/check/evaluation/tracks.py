@@ -8,24 +8,23 @@ renderer draws them: the displacement of the nodes is basis (n, 3, r) times q (r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse
 
-from galewood.check.evaluation.evaluate import methods_of, play_pressures
+from galewood.check.evaluation.evaluate import OnProgress, methods_of, play_pressures
 from galewood.check.evaluation.gusts import play_in_wind, strongest_pa
 from galewood.check.evaluation.measures import hausdorff
 from galewood.check.evaluation.model_file import tets_of
-from galewood.motion.wind import WindState
+from galewood.check.evaluation.report import share
+from galewood.motion.wind import WindState, limit_pressure
 from galewood.options import METHOD_NAMES, Method
 from galewood.solid.fem import FemModel, NodePressure, Place, Simulator, node_pressures
 from galewood.solid.skinning import points_embedding
 from galewood.table import Table
 from galewood.util import Floats
-
-OnProgress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ def comparison_tracks(
     pressure_pa = np.array([pressure.tree_pa for pressure in pressures])
     compare = _Comparing(table, model, nodes)
     in_gusts = [pressure.node_pa for pressure in pressures]
-    reference = compare.simulate(in_gusts, _part(on_progress, 0.0, 0.4))
+    reference = compare.simulate(in_gusts, share(on_progress, 0.0, 0.4))
     methods: list[Method] = [name for name in METHOD_NAMES if name in methods_of(table)]
     q = {name: play_in_wind(table, wind, place, frames, name)[0] for name in methods}
     errors = {name: compare.errors(q[name], reference) for name in methods}
@@ -92,7 +91,7 @@ def comparison_tracks(
     if all((pressure.node_pa == pressure.tree_pa).all() for pressure in pressures):
         uniform = Uniform(sway, errors)
     else:
-        uniform = compare.in_uniform_wind(pressure_pa, methods, _part(on_progress, 0.4, 0.95))
+        uniform = compare.in_uniform_wind(pressure_pa, methods, share(on_progress, 0.4, 0.95))
     on_progress(1.0, "Done")
     return Comparison(pressure_pa, {"fem": projected, **q}, sway, errors, left_out, uniform)
 
@@ -137,7 +136,10 @@ class _Comparing:
         makes = methods_of(self._table)
         found: dict[str, Errors] = {}
         for name in methods:
-            q, _ = play_pressures(self._table, pressure_pa, makes[name])
+            x_pa, z_pa = pressure_pa.T.copy()
+            if name == "paper":  # as in a forest (WindDrivenTrees)
+                limit_pressure(x_pa, z_pa, self._table.peak_pressure_pa)
+            q, _ = play_pressures(self._table, np.stack([x_pa, z_pa], axis=1), makes[name])
             found[name] = self.errors(q, reference)
         return Uniform(self.farthest(reference), found)
 
@@ -157,8 +159,3 @@ class _Comparing:
         """(frames,) length of the longest of the vectors (frames, n, 3), over the height."""
         longest: Floats = np.linalg.norm(displacement_m, axis=2).max(axis=1) / self._height_m
         return longest
-
-
-def _part(on_progress: OnProgress, first: float, last: float) -> OnProgress:
-    """Map progress 0..1 to ``first``..``last`` of the whole."""
-    return lambda fraction, message: on_progress(first + (last - first) * fraction, message)

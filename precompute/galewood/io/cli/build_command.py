@@ -43,7 +43,7 @@ AllTrees = Annotated[
 ]
 TO_ANSWER = (
     "Choose with --wood-parts, --leaves, --drop, --up-axis or --height-m; `galewood check FILE --preview PNG`"
-    " shows the tree. To take it as it was found: --accept."
+    " shows the tree. To accept it as it is: --accept."
 )
 
 

@@ -98,6 +98,8 @@ def write_sway(sway, values, out):  # pragma: no cover  (compiled)
 def write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, out):  # pragma: no cover
     """All force terms at the middle of the next step, predicted from e and v.
 
+    ``pressure`` (2, lanes) is the mean over the crown, Pa.
+
     ahead (d, lanes) and pairs (3, 2, lanes) are work arrays.
     """
     for k in range(len(e)):

@@ -1,6 +1,7 @@
 from .at_trees import TreePressure as TreePressure
 from .crown import crown_carried as crown_carried
 from .crown import crown_field as crown_field
+from .crown import gust_pressures as gust_pressures
 from .crown import write_gusts as write_gusts
 from .document import Wind as Wind
 from .document import WindError as WindError
@@ -11,6 +12,7 @@ from .presets import PRESETS as PRESETS
 from .pressure import compress_pressure as compress_pressure
 from .pressure import dynamic_pressure as dynamic_pressure
 from .pressure import height_factor as height_factor
+from .pressure import limit_pressure as limit_pressure
 from .pressure import pressure_per_speed as pressure_per_speed
 from .pressure import speed_of_pressure as speed_of_pressure
 from .pressure import to_tree_frame as to_tree_frame

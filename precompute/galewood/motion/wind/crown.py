@@ -73,6 +73,12 @@ def crown_carried(moment: Moment) -> tuple[float, float, float, float]:
     return math.cos(heading), math.sin(heading), moment.travel * moment.crown.length_scale_m, share
 
 
+def gust_pressures(gusts: Floats, x_pa: Floats, z_pa: Floats) -> Floats:
+    """(T, 2, n) pressures along x and z, Pa, of relative gusts (T, 2n) in winds (T,), Pa."""
+    along, across, x, z = gusts[:, ::2], gusts[:, 1::2], x_pa[:, None], z_pa[:, None]
+    return np.stack([along * x - across * z, along * z + across * x], axis=1)
+
+
 @numba.njit(cache=True, nogil=True)
 def write_gusts(
     field, carried, places, stand, turn, size, pressure, exponent, out

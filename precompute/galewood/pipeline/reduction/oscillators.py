@@ -14,7 +14,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from galewood.pipeline.reduction.places import Places, no_places, places_of
-from galewood.pipeline.sampling import CROWN_FIELD_M, GOLDEN_RAD, NO_GUSTS, CrownGusts, noise
+from galewood.pipeline.sampling import (
+    CROWN_FIELD_M,
+    CROWN_SPEEDS_M_S,
+    GOLDEN_RAD,
+    NO_GUSTS,
+    CrownGusts,
+    noise,
+)
 from galewood.solid.fem import FemModel, FemSettings, natural_modes
 from galewood.util import Floats
 from galewood.wood import BARE_EXPONENT
@@ -26,10 +33,9 @@ REDUCTION_DEPTH = 0.5
 REDUCTION_S = 6.0
 GUSTY_WINDS, GUSTY_S = 14, 10.0
 """Noise, which selects the modes beyond the first ones."""
-CROWN_WINDS, GUST_INTENSITY = 10, 0.45
-CROWN_SPEEDS_M_S = (4.0, 18.0)
-"""Winds with gusts within the crown, which pass at speeds between these."""
 GUSTY_MEAN, GUSTY_INTENSITY, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
+CROWN_WINDS, CROWN_INTENSITY_SHARE = 10, 0.45
+"""Winds with gusts within the crown, which pass at speeds of CROWN_SPEEDS_M_S."""
 
 
 @dataclass(frozen=True)
@@ -185,8 +191,7 @@ def reduced(
 def leading_oscillators(body: Oscillators, settings: FemSettings, dynamic: int) -> Oscillators:
     """The ``dynamic`` oscillators that best represent the linear motion of a body in oscillating winds."""
     even = [(wind, NO_GUSTS) for wind in smooth_winds(settings.dt_s) + gusty_winds(settings.dt_s)]
-    exponent = body.exposure.streamlined_exponent
-    winds = [*even, *crown_winds(settings.dt_s, exponent)] if body.places.count else even
+    winds = [*even, *crown_winds(settings.dt_s)] if body.places.count else even
     felt = [felt_wind(wind, gusts, body.places.place_m, settings.dt_s) for wind, gusts in winds]
     return reduced(body, felt, settings, dynamic)
 
@@ -196,7 +201,7 @@ def felt_wind(pressure_pa: Floats, gusts: CrownGusts, place_m: Floats, dt_s: flo
     return CrownWind(pressure_pa, gusts.local_pa(place_m, pressure_pa, dt_s))
 
 
-def crown_winds(dt_s: float, exponent: float) -> list[tuple[Floats, CrownGusts]]:
+def crown_winds(dt_s: float) -> list[tuple[Floats, CrownGusts]]:
     """Oscillating winds (T, 2) of about 1 Pa with gusts within the crown.
 
     They are the same for every tree: in such weak wind the streamlined exponent does not matter.
@@ -207,7 +212,7 @@ def crown_winds(dt_s: float, exponent: float) -> list[tuple[Floats, CrownGusts]]
     for k, speed_m_s in enumerate(np.linspace(*CROWN_SPEEDS_M_S, CROWN_WINDS).tolist()):
         heading = k * GOLDEN_RAD
         x_m, z_m = rng.uniform(0, CROWN_FIELD_M, 2).tolist()
-        gusts = CrownGusts(k, x_m, z_m, heading, speed_m_s, GUST_INTENSITY, exponent)
+        gusts = CrownGusts(k, x_m, z_m, heading, speed_m_s, CROWN_INTENSITY_SHARE, BARE_EXPONENT)
         winds.append((np.outer(pressure, (np.cos(heading), np.sin(heading))), gusts))
     return winds
 

@@ -156,22 +156,22 @@ class _Scaling:
             )
 
     def variables(self, force: Floats) -> Floats:
-        """Variables of a force (d, F)."""
+        """Variables of a force (d, F + 2G)."""
         rows = [root.T @ (row * self._size) for root, row in zip(self._roots, force, strict=True)]
         return np.concatenate(rows) / FIRST_STEP
 
     def force(self, variables: Floats) -> Floats:
-        """(d, F) force of the variables."""
+        """(d, F + 2G) force of the variables."""
         return (
             self._solved(variables.reshape(len(self._roots), -1) * FIRST_STEP, transposed=True) / self._size
         )
 
     def by_variables(self, by_force: Floats) -> Floats:
-        """Gradient by the variables of a gradient by the force (d, F)."""
+        """Gradient by the variables of a gradient by the force (d, F + 2G)."""
         return self._solved(by_force / self._size, transposed=False).ravel() * FIRST_STEP
 
     def penalty(self, force: Floats) -> tuple[float, Floats]:
-        """Half the squared, scaled coefficients of a force (d, F) times the ridge, and the gradient."""
+        """Half the squared, scaled coefficients (d, F + 2G) times their ridges, and the gradient."""
         scaled = force * self._size
         pull = self._ridges[:, None] * self._strict * scaled
         return 0.5 * float(np.sum(pull * scaled)), pull * self._size

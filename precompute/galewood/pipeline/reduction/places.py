@@ -18,12 +18,13 @@ import numpy as np
 from galewood.motion.wind import crown_field, write_gusts
 from galewood.pipeline.sampling import CROWN_FIELD_M
 from galewood.util import Array, Floats, Singles
+from galewood.wood import BARE_EXPONENT
 
 PLACE_COUNT = 24
 MODE_COUNT = 30
 """Natural modes whose forces the places shall give."""
 CANDIDATE_COUNT = 500
-"""Nodes of which the places are chosen."""
+"""Nodes that the places are chosen from: every k-th one, at least so many and fewer than twice as many."""
 LEAST_NEWS = 0.05
 """A place must add at least this share of its variance to what the other places know."""
 FIELD_COUNT, FIELD_SAMPLES, FIELD_SEED = 8, 150, 4
@@ -110,6 +111,6 @@ def _sampled_gusts(place_m: Floats) -> Singles:
         turn = np.stack([np.cos(yaw_rad), np.sin(yaw_rad)], axis=1)
         out = np.zeros((FIELD_SAMPLES, 2 * len(place_m)))
         carried, wind = (1.0, 0.0, 0.0, WEAK_INTENSITY), (ones, 0.0 * ones)
-        write_gusts(crown_field(seed), carried, place_m, (x_m, z_m), turn, ones, wind, 2.0, out)
+        write_gusts(crown_field(seed), carried, place_m, (x_m, z_m), turn, ones, wind, BARE_EXPONENT, out)
         found += [out[:, ::2].astype(np.float32), out[:, 1::2].astype(np.float32)]
     return np.concatenate(found)

@@ -1,4 +1,5 @@
 from .crown_gusts import CROWN_FIELD_M as CROWN_FIELD_M
+from .crown_gusts import CROWN_SPEEDS_M_S as CROWN_SPEEDS_M_S
 from .crown_gusts import NO_GUSTS as NO_GUSTS
 from .crown_gusts import CrownGusts as CrownGusts
 from .design_speed import MAX_SWAY_SHARE as MAX_SWAY_SHARE

@@ -10,11 +10,14 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from galewood.constants import CROWN_CELL_M, CROWN_CELLS
-from galewood.motion.wind import crown_field, write_gusts
+from galewood.motion.wind import crown_field, gust_pressures, write_gusts
 from galewood.util import Array, Floats
+from galewood.wood import BARE_EXPONENT
 
 CROWN_FIELD_M = CROWN_CELLS * CROWN_CELL_M
 """Distance after which the field repeats."""
+CROWN_SPEEDS_M_S = (4.0, 18.0)
+"""The gusts of training winds pass at speeds between these."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +63,8 @@ class CrownGusts:
     def local_pa(self, place_m: Floats, pressure_pa: Array, dt_s: float) -> Floats:
         """(T, 2, n) pressures at places (n, 3) along x and z, Pa, in addition to those at the tree (T, 2)."""
         wind = np.asarray(pressure_pa, np.float64)
-        gusts = self.relative(place_m, wind, dt_s)
-        along, across, x, z = gusts[:, ::2], gusts[:, 1::2], wind[:, :1], wind[:, 1:]
-        return np.stack([along * x - across * z, along * z + across * x], axis=1)
+        return gust_pressures(self.relative(place_m, wind, dt_s), wind[:, 0], wind[:, 1])
 
 
-NO_GUSTS = CrownGusts(0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0)
+NO_GUSTS = CrownGusts(0, 0.0, 0.0, 0.0, 0.0, 0.0, BARE_EXPONENT)
 """The same wind everywhere in the crown."""

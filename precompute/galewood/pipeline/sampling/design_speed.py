@@ -30,17 +30,18 @@ def design_wind(body: Body, speed_m_s: float, height_m: float, dt_s: float, expo
     ``exponent`` is the streamlined exponent of the body.
     """
     asked = speed_m_s
-    sway = _sway_share(body, float(dynamic_pressure(speed_m_s, exponent)), height_m, dt_s)
+    sway = _sway_share(body, speed_m_s, exponent, height_m, dt_s)
     for _ in range(ROUND_COUNT):
         if sway <= MAX_SWAY_SHARE:
             break
         lower = (0.95 * MAX_SWAY_SHARE / min(sway, 4.0)) ** (1.0 / exponent)
         speed_m_s *= max(lower, 0.3)
-        sway = _sway_share(body, float(dynamic_pressure(speed_m_s, exponent)), height_m, dt_s)
+        sway = _sway_share(body, speed_m_s, exponent, height_m, dt_s)
     return DesignWind(speed_m_s, sway, asked)
 
 
-def _sway_share(body: Body, pressure_pa: float, height_m: float, dt_s: float) -> float:
+def _sway_share(body: Body, speed_m_s: float, exponent: float, height_m: float, dt_s: float) -> float:
+    pressure_pa = float(dynamic_pressure(speed_m_s, exponent))
     sides = (np.array([pressure_pa, 0.0]), np.array([0.0, pressure_pa]))
     return max(_steady_sway_m(body, side, round(SETTLE_S / dt_s)) for side in sides) / height_m
 

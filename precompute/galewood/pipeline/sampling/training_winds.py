@@ -14,7 +14,7 @@ import numpy as np
 
 from galewood.motion.wind import dynamic_pressure
 from galewood.options import TRAINING_SEED
-from galewood.pipeline.sampling.crown_gusts import CROWN_FIELD_M, NO_GUSTS, CrownGusts
+from galewood.pipeline.sampling.crown_gusts import CROWN_FIELD_M, CROWN_SPEEDS_M_S, NO_GUSTS, CrownGusts
 from galewood.pipeline.sampling.recording import SampleWind
 from galewood.util import Floats
 
@@ -36,7 +36,7 @@ Small ones too, so that the tree stays bent for long.
 """
 HEADING_TURNS = 0.5
 """Turns of the heading during a wind, in addition to its variation."""
-CROWN_INTENSITIES, CROWN_SPEEDS_M_S = (0.25, 0.6), (4.0, 18.0)
+CROWN_INTENSITIES = (0.25, 0.6)
 """Ranges of the gusts within the crown: standard deviation over the speed, and how fast they pass."""
 CALM_FRAMES = 60
 """Still air at the end of some winds: a free decay after an abrupt stop."""

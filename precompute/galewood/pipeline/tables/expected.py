@@ -19,7 +19,7 @@ VISIBLE_SHARE = 0.01
 
 
 def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] | None:
-    """First frequency and sway of an imported tree; JSON-able. None if its beams say nothing.
+    """First frequency and sway of an imported tree; JSON-able. None if no beam model can be made of it.
 
     The sway is the largest displacement under a steady wind, for a linear response; gusts add to it.
     ``typical_frequency_hz`` is that of measured trees of this height. ``lively_frequency_hz`` is at most as
@@ -31,8 +31,6 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] 
         return None
     first_hz, typical_hz = float(model.frequencies_hz[0]), typical_frequency_hz(tree.height_m)
     sway_m = {speed_m_s: model.steady_sway_m(speed_m_s) for speed_m_s in (BREEZE_M_S, STORM_M_S)}
-    if not (first_hz > 0 and all(map(math.isfinite, (first_hz, *sway_m.values())))):
-        return None
     share = sway_m[STORM_M_S] / tree.height_m
     return {
         "first_frequency_hz": first_hz,
@@ -60,7 +58,7 @@ def with_expected_motion(tree: TreeMesh) -> TreeMesh:
 def motion_lines(expected: dict[str, Any] | None) -> list[str]:
     """The expected motion as lines to read."""
     if expected is None:
-        return ["Unsure how far it sways: beams along its branches do not tell."]
+        return ["Unsure how far it sways: no beams can be laid along its branches."]
     sways = [f"{_sway_words(sway)} at {sway['wind_m_s']:g} m/s" for sway in expected["sway"]]
     lines = [
         f"expected sway {' and '.join(sways)}, first frequency about {expected['first_frequency_hz']:.2g} Hz"

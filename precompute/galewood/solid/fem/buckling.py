@@ -14,6 +14,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 from galewood.solid.fem.elements.assembly import ElementSystem
 from galewood.solid.fem.elements.elasticity import PAIRS
 from galewood.solid.fem.elements.quadratic import combination
+from galewood.solid.fem.solver import NotPositiveDefinite
 from galewood.util import Floats
 
 MODE_COUNT = 24
@@ -60,6 +61,8 @@ def buckling(system: ElementSystem, geometric: csc_matrix) -> Buckling:
         load, vectors = eigsh(-geometric, min(MODE_COUNT, size - 1), tol=EIGENVALUE_TOLERANCE, **options)
     except ArpackNoConvergence as some:  # the largest come first
         load, vectors = some.eigenvalues, some.eigenvectors
+        if not len(load):
+            raise NotPositiveDefinite("no buckling load was found") from some
     falling = np.argsort(-load)
     shapes = np.zeros((len(load), *system.rest.shape))
     shapes[:, : system.free] = vectors[:, falling].T.reshape(len(load), -1, 3)

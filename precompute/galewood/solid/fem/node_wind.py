@@ -18,6 +18,7 @@ from galewood.motion.wind import (
     WindState,
     crown_carried,
     crown_field,
+    gust_pressures,
     to_tree_frame,
     write_gusts,
 )
@@ -65,8 +66,7 @@ def node_pressures(
         world, moment = (pressure.x_pa, pressure.z_pa), field.at(time_s)
         field_of_crown, carried = crown_field(moment.crown.seed), crown_carried(moment)
         write_gusts(field_of_crown, carried, rest_m, (x_m, z_m), turn, size, world, exponent, gusts)
-        x, z = (float(along[0]) for along in to_tree_frame(*world, place.yaw_rad))
-        along, across = gusts[0, 0::2], gusts[0, 1::2]
-        further = np.stack([along * x - across * z, along * z + across * x], axis=1)
-        tree_pa = np.array([x, z])
-        yield NodePressure(tree_pa, tree_pa + further, float(pressure.ratio[0]))
+        x_pa, z_pa = to_tree_frame(*world, place.yaw_rad)
+        tree_pa = np.array([x_pa[0], z_pa[0]])
+        node_pa = tree_pa + gust_pressures(gusts, x_pa, z_pa)[0].T
+        yield NodePressure(tree_pa, node_pa, float(pressure.ratio[0]))

@@ -24,7 +24,7 @@ from galewood.util import Floats, Int32s
 SAFE_LOAD_FACTOR = 1 / 3
 """Up to this load factor nothing is changed."""
 LARGEST_LOSS = 0.45
-"""Share of its stiffness that a tree loses to its weight at most; 1 − ν down to √0.55 of the frequency."""
+"""Largest share of its stiffness that a tree loses to its weight: √0.55 of the frequency remain at least."""
 LEAST_THIN_MASS = 0.25
 """Smallest factor of the mass of thin parts. Of felled and weighed trees, cylinder models gave the branches
 3.4 times their mass (docs/how-to/scanned-trees.md)."""

@@ -98,6 +98,8 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
     free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
     modes = frame_modes(frame, wood, clamped_m, min(MODE_COUNT, free // 2), hung_kg)
+    if not (np.isfinite(modes.frequencies_hz).all() and (modes.frequencies_hz > 0).all()):
+        raise ValueError("the beams along the branches have no usable frequencies")
     arm_m = ARM_SHARE * tree.height_m
     return BeamModel(
         modes.frequencies_hz,

@@ -119,7 +119,7 @@ def crown_loads(
     ``leaves`` the twigs still hang where leaves do. ``outline`` is that of the drawn wood, if it is known.
     """
     crown = _drawn_loads(tree if leaves else _without_leaves(tree), wood, height_m, spread, wood_mass_kg)
-    drawn_kg = crown.report.get("twig_mass_kg", 0.0)
+    drawn_kg = crown.report["twig_mass_kg"]
     twigs = twig_loads(tree, spread, wood_mass_kg, drawn_kg, outline)
     return _with_twigs(crown, twigs, wood, tree)
 

@@ -167,6 +167,6 @@ def _warning(found: dict[str, Any], wood_kg: float) -> str:
     if not changes:
         return ""
     return (
-        f"The tree, or a limb of it, bears {found['load_factor']:.0%} of its buckling load; real trees bear "
-        f"less than a third. So {'; '.join(changes)}. Check radii, height and leaves."
+        f"The tree, or a limb of it, bears {found['load_factor']:.0%} of its buckling load; few real "
+        f"trees bear more than a third. So {'; '.join(changes)}. Check radii, height and leaves."
     )

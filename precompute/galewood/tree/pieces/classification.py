@@ -295,6 +295,7 @@ def _decided(group: Group, choices: Choices, tree: int) -> Group:
         reason=reason,
         chosen=True,
         probability=1.0,
+        unsure_faces=0,
     )
 
 

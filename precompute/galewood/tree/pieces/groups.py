@@ -45,6 +45,11 @@ class Group:
     chosen: bool = False  # by the user
     ranges: tuple[str, ...] = ()  # of its pieces, if they were chosen alone
 
+    @property
+    def sure(self) -> bool:
+        """Whether the kind of most of its faces is certain."""
+        return 2 * self.unsure_faces < self.faces
+
     def report(self) -> dict[str, Any]:
         """The group as JSON."""
         return {
@@ -55,7 +60,7 @@ class Group:
             "reason": self.reason,
             "faces": self.faces,
             "pieces": len(self.pieces),
-            "sure": self.unsure_faces * 2 < self.faces,
+            "sure": self.sure,
             "probability": round(self.probability, 3),
             "tree": self.tree,
             "colour": self.colour,

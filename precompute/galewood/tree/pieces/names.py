@@ -77,8 +77,8 @@ def named_other(label: str) -> str | None:
 
 
 def spaced_name(label: str) -> str:
-    """A name in which CamelCase, underscores and digits separate words."""
-    return re.sub(r"[_\d.]+|(?<=[a-z])(?=[A-Z])", " ", label)
+    """A name in which CamelCase, hyphens, underscores, dots and digits separate words."""
+    return re.sub(r"[-_\d.]+|(?<=[a-z])(?=[A-Z])", " ", label)
 
 
 def own_kind(part: RawPart) -> Kind | None:

@@ -236,12 +236,11 @@ def _mark_beside(pieces: Pieces, score: Floats, members: Mask, trunk: Trunk, oth
     others.mark(beside & compact & (score > -2.6) & _not_leafy(pieces), "rock", "a low body beside the trunk")
     far = low & (np.hypot(*apart.T) > BESIDE_HEIGHT_SHARE * height) & solid & elongated
     stands = s.low[:, 1] <= y + STANDING_HEIGHT_SHARE * height  # branches that hang low do not
-    if int((far & stands).sum()) < MIN_POSTS:
-        far &= stands
-    if int(far.sum()) >= 3:
+    posts = far & stands
+    if int(posts.sum()) >= MIN_POSTS:
         others.mark(far, "fence", "one of several low bars away from the trunk")
     else:
-        others.mark(far, "object", "low, away from the trunk")
+        others.mark(posts, "object", "low, away from the trunk")
 
 
 def _not_leafy(pieces: Pieces) -> Mask:

@@ -37,7 +37,7 @@ def doubts_of(groups: list[Group], trees: int, number: int) -> Doubts:
         warnings.append(
             f"Left out, because it is not the tree: {_words(left)}. To keep it, choose wood or leaves for it."
         )
-    unsure = sum(g.unsure_faces for g in kept if not g.chosen) / max(sum(g.faces for g in kept), 1)
+    unsure = sum(g.unsure_faces for g in kept) / max(sum(g.faces for g in kept), 1)
     questions = _left_out(kept, left)
     if unsure > UNSURE_SHARE:
         questions.append(
@@ -54,12 +54,13 @@ def _left_out(kept: list[Group], left: list[Group]) -> list[str]:
     foot = min(float(g.low[1]) for g in kept)
     top = max(float(g.high[1]) for g in kept)
     lost_height = max(float(g.high[1]) for g in left) - top
-    unsure = [g for g in left if 2 * g.unsure_faces > g.faces]
+    unsure = [g for g in left if not g.sure]
+    height = top - foot + lost_height
     if faces > LEFT_OUT_SHARE * total:
         why = f"{faces:,} of {total:,} faces are"
-    elif lost_height > LOST_HEIGHT_SHARE * (top - foot + lost_height):
-        why = f"{lost_height / (top - foot + lost_height):.0%} of the height is"
-    elif sum(g.faces for g in unsure) > 0:
+    elif lost_height > LOST_HEIGHT_SHARE * height:
+        why = f"{lost_height / height:.0%} of the height is"
+    elif unsure:
         why, left = "Something uncertain is", unsure
     else:
         return []
@@ -73,4 +74,4 @@ def _words(groups: list[Group]) -> str:
     counts: dict[str, int] = {}
     for group in groups:
         counts[group.what] = counts.get(group.what, 0) + group.faces
-    return ", ".join(f"{what} ({count} faces)" for what, count in counts.items())
+    return ", ".join(f"{what} ({count:,} faces)" for what, count in counts.items())

@@ -48,11 +48,13 @@ def table_of(model: FemModel, **provenance: Any) -> Table:
     pole = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
     told = {
         "fem": asdict(OPTIONS.fem), "target_tets": TARGET_TETS, "winds": [], "frames": [],
-        "tetrahedra": len(model.elements), "model_sha256": OTHER_SHA256, **provenance,
+        "tetrahedra": len(model.elements), "model_sha256": OTHER_SHA256, "wood": model.report["wood"],
+        **provenance,
     }  # fmt: skip
     metadata = {
         **pole.metadata, "species": "maple", "height_m": OPTIONS.height_m, "foliage": "leaf",
         "frequencies_hz": model.report["frequencies_hz"], "provenance": told,
+        "streamlined_exponent": model.streamlined_exponent,
     }  # fmt: skip
     return replace(pole, metadata=metadata, paper=None)
 
@@ -84,6 +86,10 @@ def test_a_model_with_other_frequencies_is_refused(folder: Path, model: FemModel
             kept_model(path, metadata, tmp_path / "cache")
     with pytest.raises(SourceError, match="other tetrahedra"):
         kept_model(path, table_of(model, tetrahedra=7).metadata, tmp_path / "cache")
+    bare = {**table.metadata, "streamlined_exponent": 2.0}  # its frequencies are the same
+    for metadata in (bare, table_of(model, wood="the user's").metadata):
+        with pytest.raises(SourceError, match="another wood or foliage"):
+            kept_model(path, metadata, tmp_path / "cache")
 
 
 def test_the_model_of_the_table_is_taken_by_its_hash(model: FemModel, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from galewood.check.verify.beams import Laden, laden_pole, pole_frequencies, sof
 from galewood.solid.fem import Element, FemModel, FemSettings, Simulator, borne_load_factor
 from galewood.solid.fem.support import LARGEST_LOSS, SAFE_LOAD_FACTOR, remaining_share
 from galewood.solid.model import build_model
-from galewood.wood import wood_of_species
+from galewood.wood import BARE_EXPONENT, wood_of_species
 from scipy.optimize import brentq
 
 WOOD = wood_of_species("poplar")
@@ -45,6 +45,7 @@ def pole_with_twig(twig_radius_m: float, load_kg: float) -> Any:
         leaf_mass_kg=np.zeros(len(mass)),
         exposed_area_m2=None,
         wind_profile=None,
+        streamlined_exponent=BARE_EXPONENT,
     )
 
 

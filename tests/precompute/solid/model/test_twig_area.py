@@ -23,16 +23,6 @@ def loads(leaves_drawn: bool, leaves: bool = True) -> Any:
     return crown_loads(tree, WOOD, np.array([2.0, 6.0]), partial(collected, []), 1e6, leaves)
 
 
-def test_the_projected_area_of_a_thin_cylinder_is_its_mass_over_density_and_diameter() -> None:
-    seed = 4
-    towards = np.random.default_rng(seed).normal(size=(200_000, 3))
-    sine = np.hypot(towards[:, 0], towards[:, 1]) / np.linalg.norm(towards, axis=1)
-    diameter, length = 0.004, 3.0
-    mean = float((diameter * length * sine).mean())
-    mass = DENSITY_KG_M3 * np.pi / 4 * diameter**2 * length
-    assert mean == pytest.approx(mass / (DENSITY_KG_M3 * diameter), rel=0.005), f"seed {seed}"
-
-
 @pytest.mark.parametrize("finest_cm", [1.0, 2.0, 5.0])
 def test_the_area_of_all_twigs_is_that_of_thin_slices_of_the_pipe_model(finest_cm: float) -> None:
     scale = twig_mass_per_area(2.0) / 2.0**0.79
