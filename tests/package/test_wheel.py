@@ -248,7 +248,7 @@ def test_the_wheel_holds_everything_once(wheel: Path) -> None:
             ("galewood_server", REPOSITORY / "server/galewood_server"),
         )
         for path in folder.rglob("*")
-        if path.is_file() and path.suffix not in (".pyc", ".nbi", ".nbc")
+        if path.is_file() and "__pycache__" not in path.parts
     }
     copies = {
         f"{name}/{path.relative_to(folder).as_posix()}"
