@@ -10,8 +10,8 @@ import pytest
 
 from tests.precompute.check.accuracy import Built, accuracy, build, growth_of, largest, window_errors
 
-LIMIT = 0.007
-"""Of the height."""
+LIMIT = 0.005
+"""Of the height, for the poplar at a tenth of sway: less than what is stated of all (STATED_LIMIT)."""
 GROWTH_LIMIT = 1.2
 
 pytestmark = [pytest.mark.timeout(1800), pytest.mark.long]
@@ -22,7 +22,7 @@ def poplar(tmp_path_factory: pytest.TempPathFactory) -> Built:
     return build("poplar", tmp_path_factory.mktemp("poplar"), target_tets=2500)
 
 
-def test_no_vertex_is_off_by_more_than_the_limit_when_it_sways_by_a_tenth(poplar: Built) -> None:
+def test_no_vertex_is_off_by_more_than_half_a_percent_when_it_sways_by_a_tenth(poplar: Built) -> None:
     found = accuracy(poplar, sway=0.10, names=("perlin", "step"))
     assert len(found) == 2
     assert all(figures["reference_sway"] > 0.09 for figures in found.values())
