@@ -141,7 +141,7 @@ export interface Schemas {
     speed_m_s?: number | null;
     /** Frames per wind, 1/30 s each. */
     frames?: number;
-    /** Seed of the winds' directions and timing. */
+    /** Seed of the winds, their gusts, and the tree's place. */
     seed?: number;
   };
   /** Response of /healthz. */
