@@ -139,7 +139,10 @@ def case_figures(table: Table, source: ModelSource, place: Place, run: GustRun) 
 
     state = WindState(run.wind, run.wind)
     methods: dict[str, Any] = {}
-    for name in (one for one in METHOD_NAMES if one in methods_of(table)):
+    playable = methods_of(table)
+    for name in METHOD_NAMES:
+        if name not in playable:
+            continue
         q, ratio = play_in_wind(table, state, place, frames, name)
         methods[name] = {**figures(q), "extrapolation_ratio": ratio}
     flat = nodes.reshape(frames, -1).T

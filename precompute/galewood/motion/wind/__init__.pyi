@@ -9,7 +9,6 @@ from .document import parse_wind as parse_wind
 from .evaluation import wind_pressure as wind_pressure
 from .field import WindField as WindField
 from .presets import PRESETS as PRESETS
-from .pressure import compress_pressure as compress_pressure
 from .pressure import dynamic_pressure as dynamic_pressure
 from .pressure import height_factor as height_factor
 from .pressure import limit_pressure as limit_pressure
