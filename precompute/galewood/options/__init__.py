@@ -4,6 +4,7 @@
 
 from galewood.options.evaluation import (
     EVALUATION_FRAMES,
+    EVALUATION_PEAK_RATIO,
     EVALUATION_SEED,
     EvaluationOptions,
     EvaluationSeed,
@@ -25,6 +26,7 @@ from galewood.options.request import (
 
 __all__ = [
     "EVALUATION_FRAMES",
+    "EVALUATION_PEAK_RATIO",
     "EVALUATION_SEED",
     "MAX_HEIGHT_M",
     "MAX_TETS",

@@ -13,6 +13,8 @@ EvaluationSeed = Annotated[
 ]
 EVALUATION_SEED = 20_001
 EVALUATION_FRAMES = 660
+EVALUATION_PEAK_RATIO = 0.65
+"""Peak speed of the uniform winds over the design speed of the table."""
 
 
 class EvaluationOptions(BaseModel):
@@ -22,7 +24,7 @@ class EvaluationOptions(BaseModel):
 
     frames: int = Field(default=EVALUATION_FRAMES, ge=60, description="Frames of each wind, 1/30 s each.")
     strength: float = Field(
-        default=0.65, description="Peak speed of the uniform winds over the design speed."
+        default=EVALUATION_PEAK_RATIO, description="Peak speed of the uniform winds over the design speed."
     )
     sway: float | None = Field(
         default=None,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.check.evaluation import SourceError, run_evaluation
-from galewood.options import METHOD_NAMES, EvaluationOptions
+from galewood.options import EVALUATION_PEAK_RATIO, METHOD_NAMES, EvaluationOptions
 from galewood.table import read_metadata
 
 from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
@@ -17,8 +17,6 @@ from galewood_server.jobs.stored_files import stored_bytes, stored_path
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 
-PEAK_SPEED_RATIO = 0.65
-"""Default peak wind speed relative to the design speed, as in `galewood evaluate`."""
 GUST_FIGURES = ("rms_error_of_rms_sway", "max_error", "branches", "extrapolation_ratio")
 MAIN_FIGURES = ("max_error", "rms_error", "late_error", "growth", "extrapolation_ratio")
 
@@ -75,7 +73,7 @@ def _run(
 def strength_of(table: Path, request: dict[str, Any]) -> float:
     """Peak wind speed relative to the table's design speed."""
     if "speed_m_s" not in request:
-        return PEAK_SPEED_RATIO
+        return EVALUATION_PEAK_RATIO
     return float(request["speed_m_s"]) / float(read_metadata(table.read_bytes())["design_speed_m_s"])
 
 

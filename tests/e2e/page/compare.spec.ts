@@ -13,6 +13,8 @@ test.use({ deviceScaleFactor: 0.5, drawn: "sometimes" });
  * of the tree is about 12 %.
  */
 const MODAL_ERROR_PERCENT = 1;
+/** The same in gusts that differ within the crown: three times the measured 0.8 %, for the same reason. */
+const GUST_ERROR_PERCENT = 2.5;
 
 test("the modal model is closer to the reference solution than the paper's state search", { tag: "@long" }, async ({ page }) => {
   test.setTimeout(10 * 60_000);
@@ -43,7 +45,7 @@ test("the modal model is closer to the reference solution than the paper's state
     `errors in % of tree height: in gusts ${gusts.error}; in a uniform wind modal ${modal.error}, paper ${paper.error}`,
   );
   expect(gusts.error).toBeGreaterThan(modal.error);
-  expect(gusts.error).toBeLessThan(gusts.displacement);
+  expect(gusts.error).toBeLessThan(GUST_ERROR_PERCENT);
   expect(paper.displacement).toBe(modal.displacement);
   // The tree sways strongly, so that a small error is not due to small motion.
   expect(modal.displacement).toBeGreaterThan(1);

@@ -28,12 +28,9 @@ from galewood.check.paper.plan import Notes, OnProgress, Plan, built
 from galewood.check.paper.search import against_brute_force
 from galewood.check.paper.speed import by_elements, forests, memory
 from galewood.check.paper.text import write_text
-from galewood.options import EvaluationOptions
+from galewood.options import EVALUATION_PEAK_RATIO, EvaluationOptions
 from galewood.pipeline.stages import BuiltinMesh
 from galewood.table import Table
-
-PEAK_SPEED_RATIO = 0.65
-"""Peak speed of the unseen winds over the design speed."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,7 @@ def _plan_figures(plan: Plan) -> dict[str, Any]:
         "trees": list(plan.trees),
         "queries": plan.queries,
         "seed": plan.seed,
-        "strength": PEAK_SPEED_RATIO,
+        "strength": EVALUATION_PEAK_RATIO,
         "quick": plan.quick,
     }
 
@@ -133,7 +130,7 @@ def _gusts(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
 
 def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
     options = EvaluationOptions(
-        frames=plan.frames, strength=PEAK_SPEED_RATIO, seed=plan.seed, workers=plan.workers
+        frames=plan.frames, strength=EVALUATION_PEAK_RATIO, seed=plan.seed, workers=plan.workers
     )
     return evaluate_table(tree.table, tree.source, options, plan.cache_dir, on_progress)
 

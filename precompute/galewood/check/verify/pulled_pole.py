@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,5 +54,7 @@ class PulledPole:
         return float(path(found)[0][2])
 
 
-def _solved(slopes: object, span: tuple[float, float], start: Floats) -> Floats:
-    return solve_ivp(slopes, span, start, method="DOP853", rtol=1e-9, atol=1e-11, max_step=0.2).y[:, -1]
+def _solved(
+    slopes: Callable[[float, Floats], list[float]], span_m: tuple[float, float], start: Floats
+) -> Floats:
+    return solve_ivp(slopes, span_m, start, method="DOP853", rtol=1e-9, atol=1e-11, max_step=0.2).y[:, -1]

@@ -1,11 +1,22 @@
 /** Messages between main thread and worker. Types only: neither side imports the other. */
 
 import type { Method } from "../core/motion/method";
-import type { DrawnMotion, FirstSway } from "../core/table/drawnTable";
+import type { DrawnMotion } from "../core/table/drawnTable";
 import type { Foliage } from "../core/table/table";
 import type { WindDocument } from "../core/wind/document";
 import type { WindState } from "../core/wind/transition";
 import type { About } from "../core/wire/wire";
+
+/** First sway mode of a tree of scale 1, by which trees of the background move. */
+export interface FirstSway {
+  readonly frequency_hz: number;
+  /** Relative to critical damping. */
+  readonly damping: number;
+  /** Static displacement of the tip per Pa of wind pressure. */
+  readonly tip_m_pa: number;
+  /** Exponent of the pressure over the wind speed (`dynamicPressure`). */
+  readonly streamlined: number;
+}
 
 /** Where poses are computed. */
 export type LookupPlace = "worker" | "server";

@@ -18,17 +18,6 @@ export interface NodeLevel {
   readonly parent: Uint16Array<ArrayBuffer>;
 }
 
-/** First sway mode of a tree of scale 1, by which trees of the background move. */
-export interface FirstSway {
-  readonly frequency_hz: number;
-  /** Relative to critical damping. */
-  readonly damping: number;
-  /** Static displacement of the tip per Pa of wind pressure. */
-  readonly tip_m_pa: number;
-  /** Exponent of the pressure over the wind speed (`dynamicPressure`). */
-  readonly streamlined: number;
-}
-
 /** The part of a table by which trees are drawn, unpacked by the worker. */
 export interface DrawnMotion {
   readonly modes: number;

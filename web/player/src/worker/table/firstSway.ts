@@ -1,8 +1,8 @@
 /** First sway mode of a table, for trees that only sway in the background. Pure. */
 
 import { tipNode } from "../../core/motion/tip";
-import type { FirstSway } from "../../core/table/drawnTable";
 import type { Table } from "../../core/table/table";
+import type { FirstSway } from "../protocol";
 
 /** Oscillators that may be the first sway along x and z. */
 const FIRST_SWAY_OSCILLATORS = 2;
