@@ -18,11 +18,13 @@ HEADER_WITHIN = 100
 """Rows among which the names of the columns are looked for."""
 COMMENTS = ("#", "%", "!", "//")
 MISSING_VALUES = frozenset(
-    ("", "nan", "na", "n/a", "#n/a", "null", "none", "nodata", "-", "--", "inf", "-inf")
+    ("", "nan", "na", "n/a", "#n/a", "n.a.", "k.a.", "null", "none", "nodata", "missing", "m", "inf", "-inf")
 )
 SENTINELS = frozenset((-999.0, -9999.0, -99999.0, 7999.0, -7999.0))
 """Numbers that loggers write for a missing value."""
 LONGEST_CELL = 10_000
+_PLACEHOLDER = re.compile(r"[-–—*/?._]+")
+"""Marks without a digit, such as --- or ////, that stand for a missing value."""
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -81,7 +83,7 @@ def rows_of(text: str) -> Iterator[Row]:
 
 def number_of(cell: str) -> float:
     """The number in a cell, with a point or a comma; NaN if the value is missing. ValueError."""
-    if cell.lower() in MISSING_VALUES:
+    if cell.lower() in MISSING_VALUES or _PLACEHOLDER.fullmatch(cell):
         return math.nan
     if not _NUMBER.fullmatch(cell):
         raise ValueError(f"{cell[:40]!r} is not a number")

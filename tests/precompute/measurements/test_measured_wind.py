@@ -44,6 +44,11 @@ def clock(t: float) -> str:
     return f"{12 + int(t) // 3600:02d}:{int(t) // 60 % 60:02d}:{int(t) % 60:02d}"
 
 
+def digits(t: float) -> str:
+    """The same without colons."""
+    return clock(t).replace(":", "")
+
+
 def plain(t: float, speed: float, angle: float) -> str:
     """Seconds, m/s, degrees."""
     return f"{t:.2f},{speed:.3f},{angle:.1f}"
@@ -114,6 +119,16 @@ FORMATS: dict[str, tuple[str, Line, int, float]] = {
         "s,v wind,speed (ft/s),dir (rad)\n",
         lambda t, s, d: f"{t:.0f},0,{s / 0.3048:.2f},{math.radians(d):.4f}", 40, 1.0,
     ),
+    "weather service, 10-minute means": (
+        "STATIONS_ID;MESS_DATUM;  QN;FF_10;DD_10;eor\n",
+        lambda t, s, d: f"       3987;20240102{digits(t)[:4]};    3; {s:6.2f}; {d:5.0f};eor", 40, 600.0,
+    ),
+    "compact date and clock": (
+        "date,time,ws,wd\n", lambda t, s, d: f"20240102,{clock(t)},{s:.2f},{d:.0f}", 40, 1.0,
+    ),
+    "compact with seconds": (
+        "timestamp,ws,wd\n", lambda t, s, d: f"20240102T{digits(t)}Z,{s:.2f},{d:.0f}", 40, 1.0,
+    ),
     "milliseconds": (
         "time,speed,dir\n", lambda t, s, d: f"{1714564800000 + 1000 * t:.0f},{s:.2f},{d:.0f}", 40, 1.0,
     ),
@@ -126,6 +141,7 @@ REFUSED = (
         "no column names were found. Name a column 'time' and 'speed' with 'direction' (or 'u' and 'v'), "
         "with units, for example: time (s);speed (m/s);direction (deg)",
     ),
+    # one cell of thirteen is more than a twentieth of the rows
     (rows(HEAD, plain, 12) + "12.0,fast,240\n", "line 14, column 'speed (m/s)': 'fast' is not a number"),
     (
         rows("time,speed,dir\n", lambda t, s, d: f"2024-05-01 {clock(t)},{s:.2f},{d:.0f}", 12)
@@ -242,6 +258,26 @@ def test_the_wind_is_that_of_the_file(name: str) -> None:
     assert report.from_deg == pytest.approx(math.degrees(math.atan2(-east, -north)) % 360.0, abs=0.3)
     parse_wind(json.loads(json.dumps(found.wind.document())))
     assert found.wind.recording.interval_s == pytest.approx(interval_s, rel=0.02)
+
+
+@pytest.mark.parametrize("mark", ["---", "///", "*", "M", "n.a.", "E01"])
+def test_a_cell_that_cannot_be_read_counts_as_missing(mark: str) -> None:
+    lines = rows("", plain, 90).splitlines()
+    lines[40] = f"{lines[40].split(',')[0]},{mark},240"
+    report = read_measurement((HEAD + "\n".join(lines)).encode()).report
+    assert (report.rows, report.missing, report.gaps) == (90, 1, 1)
+    said = "Taken as missing: line 42, column 'speed (m/s)': 'E01' is not a number." in report.notes
+    assert said == (mark == "E01")
+
+
+def test_times_without_a_plausible_unit_are_refused() -> None:
+    with pytest.raises(MeasurementError, match="state their unit in the column's name"):
+        found_in("time,speed,dir\n", lambda t, s, d: f"{t / 1e6:.7f},{s:.2f},{d:.0f}", 40)
+
+
+def test_a_moment_of_a_fast_logger_is_refused() -> None:
+    with pytest.raises(MeasurementError, match="the samples cover less than 1 s"):
+        found_in(HEAD, lambda t, s, d: f"{t:.3f},{s:.2f},{d:.0f}", 15, 0.01)
 
 
 def test_a_point_of_the_compass_is_a_direction() -> None:

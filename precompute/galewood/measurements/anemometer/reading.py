@@ -102,6 +102,7 @@ def _measurement(samples: Samples, found: Found, used: Series, first: int) -> Me
         rows=found.rows,
         missing=found.missing,
         implausible=samples.implausible,
+        unreadable=tuple(str(error) for error in samples.unreadable),
         duplicates=found.duplicates,
         disordered=found.disordered,
         gaps=found.gaps,

@@ -20,6 +20,8 @@ class MeasurementReport:
     rows: int
     missing: int
     implausible: int
+    unreadable: tuple[str, ...]
+    """What is wrong with rows that count as missing because a cell cannot be read."""
     duplicates: int
     disordered: int
     gaps: int
@@ -108,6 +110,10 @@ def _about_faults(report: MeasurementReport) -> Iterator[str]:
         )
     if report.missing:
         yield f"{counted(report.missing, 'row')} without time or wind, ignored."
+    if report.unreadable:
+        first, *others = report.unreadable
+        more = f" ({counted(len(others), 'more row')} like it)" if others else ""
+        yield f"Taken as missing: {first}{more}."
     if report.implausible:
         yield f"{counted(report.implausible, 'value')} above 75 m/s, taken as missing."
     if report.duplicates:

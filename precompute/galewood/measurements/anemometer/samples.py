@@ -17,7 +17,7 @@ from galewood.measurements.anemometer.columns import (
     with_units,
 )
 from galewood.measurements.anemometer.errors import MeasurementError, at
-from galewood.measurements.anemometer.times import DAY_S, date_time_s, is_clock, is_month_first
+from galewood.measurements.anemometer.times import DAY_S, date_time_s, is_clock, is_compact, is_month_first
 from galewood.util import HEADER_WITHIN, Row, number_of
 
 UNIT_ROWS = 3
@@ -25,6 +25,8 @@ MOST_ROWS = 2_000_000
 FASTEST_M_S = 75.0
 """Faster values count as missing: no mast survives them, and loggers write 99.9 or 999 for a fault."""
 EPOCH_MS = 1e11
+UNREADABLE_SHARE = 0.05
+"""If cells of a larger share of the rows cannot be read, a column is not what its name says: an error."""
 NO_HEADER = (
     "no column names were found. Name a column 'time' and 'speed' with 'direction' (or 'u' and 'v'), with "
     "units, for example: time (s);speed (m/s);direction (deg)"
@@ -41,6 +43,8 @@ class Samples:
     north_m_s: list[float] = field(default_factory=list[float])
     implausible: int = 0
     """Values beyond FASTEST_M_S."""
+    unreadable: list[MeasurementError] = field(default_factory=list[MeasurementError])
+    """What is wrong with rows that count as missing because a cell cannot be read."""
 
 
 def samples_of(rows: Iterable[Row]) -> Samples:
@@ -60,8 +64,16 @@ def samples_of(rows: Iterable[Row]) -> Samples:
     clock = _Clock(columns, data)
     samples = Samples(replace(columns, time_unit=clock.unit))
     for row in data:
-        samples.time_s.append(clock.time_s(row))
-        _add_velocity(samples, columns, row)
+        try:
+            time_s, velocity = clock.time_s(row), _velocity(samples, columns, row)
+        except MeasurementError as error:
+            samples.unreadable.append(error)
+            time_s, velocity = math.nan, (math.nan, math.nan)
+        samples.time_s.append(time_s)
+        samples.east_m_s.append(velocity[0])
+        samples.north_m_s.append(velocity[1])
+    if len(samples.unreadable) > UNREADABLE_SHARE * len(data):
+        raise samples.unreadable[0]
     return samples
 
 
@@ -108,7 +120,8 @@ class _Clock:
         texts = [row.cell(columns.time) for row in rows]
         self._dated = columns.date >= 0 and is_clock(texts[0])
         dates = [row.cell(columns.date) for row in rows] if self._dated else texts
-        self._numbers = _is_number(texts[0])
+        compact = not columns.time_unit and all(is_compact(text) for text in texts if text)
+        self._numbers = _is_number(texts[0]) and not compact
         self._month_first = True if self._numbers else is_month_first(dates)
         self._daily = not self._dated and is_clock(texts[0])
         self._days_s, self._last_s = 0.0, -math.inf
@@ -140,7 +153,8 @@ class _Clock:
         return time_s + self._days_s
 
 
-def _add_velocity(samples: Samples, columns: Columns, row: Row) -> None:
+def _velocity(samples: Samples, columns: Columns, row: Row) -> tuple[float, float]:
+    """Velocity to the east and north, m/s; NaN if it is missing or implausible, which is counted."""
     factor = SPEED_UNITS[columns.speed_unit or "m/s"][0]
     if columns.speed < 0:
         east, north = (_value(columns, row, k) * factor for k in (columns.east, columns.north))
@@ -152,9 +166,8 @@ def _add_velocity(samples: Samples, columns: Columns, row: Row) -> None:
         east, north = _components(speed, columns, row)
     if math.hypot(east, north) > FASTEST_M_S:
         samples.implausible += 1
-        east = north = math.nan
-    samples.east_m_s.append(east)
-    samples.north_m_s.append(north)
+        return math.nan, math.nan
+    return east, north
 
 
 def _components(speed: float, columns: Columns, row: Row) -> tuple[float, float]:

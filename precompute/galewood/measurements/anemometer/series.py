@@ -11,6 +11,8 @@ from galewood.measurements.anemometer.samples import Samples
 
 FASTEST_RATE_HZ = 10.0
 """Faster series are averaged: trees do not respond to faster gusts."""
+HIGHEST_RATE_HZ = 250.0
+"""No anemometer is faster; a file that seems to be has another unit of time."""
 FEWEST_SAMPLES = 10
 """Samples that are needed."""
 GAP_INTERVALS = 1.5
@@ -60,6 +62,11 @@ def series_of(samples: Samples) -> tuple[Series, Found]:
             f"only {len(valid)} samples have a time and a wind; at least {FEWEST_SAMPLES} are needed"
         )
     interval_s = _interval(unique)
+    if interval_s * HIGHEST_RATE_HZ < 1.0:
+        raise MeasurementError(
+            f"the times give {1.0 / interval_s:,.0f} samples a second, more than any anemometer; state their "
+            "unit in the column's name, such as time (s)"
+        )
     pauses = [b[0] - a[0] for a, b in itertools.pairwise(valid)]
     gaps = [pause for pause in pauses if pause > GAP_INTERVALS * interval_s]
     piece = _longest_piece(valid, interval_s)
@@ -129,6 +136,8 @@ def _even(rows: list[Timed], interval_s: float) -> Series:
     if interval_s < (1.0 - ON_TIME) / FASTEST_RATE_HZ:
         interval_s = 1.0 / FASTEST_RATE_HZ
         rows = _averaged(rows, interval_s)
+        if len(rows) < FEWEST_SAMPLES:
+            raise MeasurementError(f"the samples cover less than {FEWEST_SAMPLES * interval_s:.0f} s")
     start_s = rows[0][0]
     count = math.floor((rows[-1][0] - start_s) / interval_s + 0.5) + 1
     east, north = [0.0] * count, [0.0] * count

@@ -11,6 +11,10 @@ _YEAR_FIRST = re.compile(
 )
 _DAY_FIRST = re.compile(rf"(\d{{1,2}})\.(\d{{1,2}})\.(\d{{4}})(?:[T ]+{_CLOCK})?{_ZONE}", re.IGNORECASE)
 _SLASHES = re.compile(rf"(\d{{1,2}})[-/](\d{{1,2}})[-/](\d{{4}})(?:[T ]+{_CLOCK})?{_ZONE}", re.IGNORECASE)
+_COMPACT = re.compile(r"(\d{4})(\d{2})(\d{2})(?:[T_ :]?(\d{2})(?:(\d{2})(?:(\d{2}))?)?)?Z?", re.IGNORECASE)
+"""yyyymmdd, yyyymmddHH, yyyymmddHHMM or yyyymmddHHMMSS, as weather services write times."""
+_COMPACT_DATE = re.compile(rf"(\d{{4}})(\d{{2}})(\d{{2}})[T ]+{_CLOCK}{_ZONE}", re.IGNORECASE)
+FIRST_YEAR, LAST_YEAR = 1850, 2150
 _TIME_OF_DAY = re.compile(_CLOCK, re.IGNORECASE)
 DAY_S = 86_400.0
 
@@ -20,6 +24,23 @@ def is_clock(text: str) -> bool:
     return _TIME_OF_DAY.fullmatch(text) is not None
 
 
+def is_compact(text: str) -> bool:
+    """Whether a text is a date and time of digits alone, such as 202401020010."""
+    return _compact_s(text) is not None
+
+
+def _compact_s(text: str) -> float | None:
+    found = _COMPACT.fullmatch(text)
+    if not found:
+        return None
+    year, month, day, hour, minute, second = (int(part or 0) for part in found.groups())
+    if not (FIRST_YEAR <= year <= LAST_YEAR and 1 <= month <= 12 and 1 <= day <= 31):
+        return None
+    if hour > 23 or minute > 59 or second > 60:
+        return None
+    return _days(year, month, day) * DAY_S + 3600.0 * hour + 60.0 * minute + second
+
+
 def date_time_s(text: str, *, month_first: bool = True) -> float | None:
     """Seconds of a date and time, or of a time of day; None for another text.
 
@@ -27,7 +48,9 @@ def date_time_s(text: str, *, month_first: bool = True) -> float | None:
     """
     if clock := _TIME_OF_DAY.fullmatch(text):
         return _clock_s(clock.groups())
-    if found := _YEAR_FIRST.fullmatch(text):
+    if (compact_s := _compact_s(text)) is not None:
+        return compact_s
+    if found := _YEAR_FIRST.fullmatch(text) or _COMPACT_DATE.fullmatch(text):
         year, month, day = found.group(1, 2, 3)
     elif found := _DAY_FIRST.fullmatch(text):
         day, month, year = found.group(1, 2, 3)

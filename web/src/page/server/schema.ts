@@ -225,6 +225,7 @@ export interface Schemas {
     rows: number;
     missing: number;
     implausible: number;
+    unreadable: string[];
     duplicates: number;
     disordered: number;
     gaps: number;
