@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import runpy
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import galewood
 import numpy as np
@@ -171,6 +172,26 @@ def test_placements_that_do_not_fit_are_refused(table: galewood.MotionTable) -> 
         galewood.Forest([table], [(1.0,)], galewood.Wind())
     with pytest.raises(ValueError, match="between 0 and 0"):
         galewood.Forest([table], galewood.grid(4, tables=2), galewood.Wind())
+
+
+@pytest.mark.parametrize("dt_s", [0.0, -1.0, math.nan, math.inf, "1"])
+def test_a_step_that_is_no_time_is_refused(table: galewood.MotionTable, dt_s: Any) -> None:
+    forest = galewood.Forest([table], [(0.0, 0.0)], galewood.Wind())
+    with pytest.raises(ValueError, match="dt_s must be a time above 0 s"):
+        forest.step(dt_s)
+    assert forest.time_s == 0.0
+
+
+def test_forests_without_sense_are_refused(table: galewood.MotionTable) -> None:
+    wind, method = galewood.Wind(), cast(Any, "typo")
+    with pytest.raises(ValueError, match="at least one table"):
+        galewood.Forest([], [(0.0, 0.0)], wind)
+    with pytest.raises(ValueError, match="method must be one of modal, paper, not 'typo'"):
+        galewood.Forest([table], [(0.0, 0.0)], wind, method=method)
+    with pytest.raises(ValueError, match="finite"):
+        galewood.Forest([table], [(0.0, math.nan)], wind)
+    with pytest.raises(ValueError, match="scale"):
+        galewood.Forest([table], [(0.0, 0.0, 0.0, 0.0)], wind)
 
 
 def test_options_are_checked(tree: galewood.Tree, mesh: Path, tmp_path: Path) -> None:

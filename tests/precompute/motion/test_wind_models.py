@@ -53,6 +53,31 @@ def velocity(field: WindField, time_s: float) -> np.ndarray:
     return out
 
 
+@pytest.mark.parametrize(
+    ("values", "path"),
+    [
+        ({"mean_speed_m_s": -3.0}, "wind.mean_speed_m_s"),
+        ({"mean_speed_m_s": math.nan}, "wind.mean_speed_m_s"),
+        ({"mean_speed_m_s": "8"}, "wind.mean_speed_m_s"),
+        ({"gustiness": 9.0}, "wind.gustiness"),
+        ({"seed": 1.5}, "wind.seed"),
+        ({"model": "typo"}, "wind.model"),
+        ({"model": "perlin", "length_scale_m": math.inf}, "wind.length_scale_m"),
+        ({"waves": ()}, "wind.waves"),
+    ],
+)
+def test_a_wind_made_in_a_program_is_checked_as_a_document_is(values: dict[str, Any], path: str) -> None:
+    with pytest.raises(WindError) as error:
+        Wind(**values)
+    assert error.value.path == path
+
+
+def test_numbers_of_numpy_are_accepted() -> None:
+    wind = Wind(mean_speed_m_s=np.float32(9.5), seed=cast(Any, np.int64(7)))
+    assert (wind.mean_speed_m_s, type(wind.mean_speed_m_s), type(wind.seed)) == (9.5, float, int)
+    assert parse_wind(json.loads(json.dumps(wind.document()))) == wind
+
+
 @pytest.mark.parametrize("k", range(len(make_wind.WINDS)))
 def test_golden_velocities_over_ten_thousand_frames(k: int) -> None:
     times = [frame * GOLDEN["frame_s"] for frame in GOLDEN["frames"]]

@@ -4,15 +4,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 import numpy.typing as npt
 
 from galewood.io.api.tables import MotionTable
 from galewood.motion.wind import Wind, WindField
-from galewood.options import Method
+from galewood.options import METHOD_NAMES, Method
 from galewood.player import WindDrivenTrees, grid_placements
 from galewood.solid.skinning import drawn_positions, joint_rows
 from galewood.util import Floats, Ints
@@ -37,6 +39,11 @@ class Placements:
         count = len(self.x_m)
         if any(len(one) != count for one in (self.z_m, self.yaw_rad, self.scale, self.table)):
             raise ValueError("the arrays of a Placements must have the same length")
+        numbers = np.concatenate([self.x_m, self.z_m, self.yaw_rad, self.scale]).astype(np.float64)
+        if not np.isfinite(numbers).all():
+            raise ValueError("places, yaw and scale of a Placements must be finite numbers")
+        if count and float(np.min(self.scale)) <= 0.0:
+            raise ValueError("the scale of a tree must be above 0")
 
     def __len__(self) -> int:
         return len(self.x_m)
@@ -69,8 +76,12 @@ class Forest:
             method: "modal" (the modal reduced-order model) or "paper" (the paper's state search).
 
         Raises:
-            ValueError: A placement names a table that is not there.
+            ValueError: There is no table, a placement names one that is not there, or the method is unknown.
         """
+        if not tables:
+            raise ValueError("a forest needs at least one table")
+        if method not in METHOD_NAMES:
+            raise ValueError(f"method must be one of {', '.join(METHOD_NAMES)}, not {method!r:.40}")
         if not isinstance(placements, Placements):
             placements = _placements_of(placements, len(tables))
         if len(placements) and not 0 <= int(placements.table.min()) <= int(placements.table.max()) < len(
@@ -99,7 +110,9 @@ class Forest:
         self._field.change(wind, self.time_s)
 
     def step(self, dt_s: float) -> None:
-        """Advance all trees by dt_s seconds."""
+        """Advance all trees by dt_s seconds. ValueError if that is no finite time above 0."""
+        if not (isinstance(dt_s, Real) and 0.0 < float(dt_s) < math.inf):
+            raise ValueError(f"dt_s must be a time above 0 s, not {dt_s!r:.40}")
         self.time_s += dt_s
         for group in self._groups:
             group.step(self._field, self.time_s, dt_s)

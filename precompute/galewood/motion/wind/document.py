@@ -20,6 +20,7 @@ from galewood.constants import (
 from galewood.motion.wind.fields import (
     Field,
     WindError,
+    checked,
     found_text,
     number_at,
     object_at,
@@ -41,6 +42,11 @@ class Wave:
     across: float = 0.0
     phase_turns: float = -1.0
 
+    def __post_init__(self) -> None:
+        for name, rule in WAVE_RULES.items():
+            if getattr(self, name) != rule.default:
+                object.__setattr__(self, name, checked(getattr(self, name), rule, f"wave.{name}"))
+
 
 DEFAULT_WAVES = tuple(Wave(**wave) for wave in FOREST_WAVES)
 """Waves of a cosine document without its own."""
@@ -48,7 +54,12 @@ DEFAULT_WAVES = tuple(Wave(**wave) for wave in FOREST_WAVES)
 
 @dataclass(frozen=True)
 class Wind:
-    """A parsed wind document; fields that its model does not use keep their defaults."""
+    """A wind document; fields that its model does not use keep their defaults.
+
+    The wind blows *towards* (cos θ, 0, sin θ) in (x, y, z) with θ = ``direction_deg``, y up; x is east and z
+    south, so 0 is a westerly and 90 a northerly wind. ``mean_speed_m_s`` is that at ``reference_height_m``.
+    spec/formats/wind.md describes the models and the other fields. WindError if a number is out of its range.
+    """
 
     mean_speed_m_s: float = 8.0
     direction_deg: float = 30.0
@@ -65,6 +76,15 @@ class Wind:
     recording: Recording = EMPTY_RECORDING
     """The measured fluctuations; model recorded only."""
 
+    def __post_init__(self) -> None:
+        if self.model not in WIND_MODELS:
+            raise _unknown_model(self.model)
+        for name, rule in FIELDS.items():
+            if self.model in rule.models:
+                number = checked(getattr(self, name), rule, f"wind.{name}")
+                object.__setattr__(self, name, int(number) if rule.whole else number)
+        _check_waves(self.waves)
+
     def document(self) -> dict[str, object]:
         """The JSON object that ``parse_wind`` accepts; optional fields with default values are omitted."""
         numbers = {
@@ -80,6 +100,17 @@ class Wind:
         return document
 
 
+def _unknown_model(model: object) -> WindError:
+    return WindError("wind.model", f"expected one of {', '.join(WIND_MODELS)}", found_text(model))
+
+
+def _check_waves(waves: Sequence[Wave]) -> None:
+    if not 1 <= len(waves) <= MOST_WAVES:
+        raise WindError("wind.waves", f"expected a list of 1..{MOST_WAVES} waves")
+    if sum(wave.share for wave in waves) > 1.0 + WAVE_SHARE_TOLERANCE:
+        raise WindError("wind.waves", "expected shares that sum to at most 1")
+
+
 def _wave_document(wave: Wave) -> dict[str, float]:
     return {name: v for name, rule in WAVE_RULES.items() if (v := getattr(wave, name)) != rule.default}
 
@@ -93,12 +124,11 @@ def parse_wind(document: object) -> Wind:
         )
     model = fields.get("model")
     if not isinstance(model, str) or model not in WIND_MODELS:
-        raise WindError("wind.model", f"expected one of {', '.join(WIND_MODELS)}", found_text(model))
+        raise _unknown_model(model)
     rules = {name: rule for name, rule in FIELDS.items() if model in rule.models}
     known = [*rules, "version", "model", *WIND_LISTS.get(model, ())]
     refuse_unknown(fields, known, "wind", f"not a field of the {model} model")
     numbers: dict[str, Any] = {name: number_at(fields, name, rule, "wind") for name, rule in rules.items()}
-    numbers["seed"] = int(numbers["seed"])
     if "waves" in fields:
         numbers["waves"] = _waves(fields["waves"])
     if model == "recorded":
@@ -109,10 +139,7 @@ def parse_wind(document: object) -> Wind:
 def _waves(value: object) -> tuple[Wave, ...]:
     if not isinstance(value, list | tuple) or not 1 <= len(cast(Sequence[object], value)) <= MOST_WAVES:
         raise WindError("wind.waves", f"expected a list of 1..{MOST_WAVES} waves")
-    waves = tuple(_wave(wave, f"wind.waves[{k}]") for k, wave in enumerate(cast(Sequence[object], value)))
-    if sum(wave.share for wave in waves) > 1.0 + WAVE_SHARE_TOLERANCE:
-        raise WindError("wind.waves", "expected shares that sum to at most 1")
-    return waves
+    return tuple(_wave(wave, f"wind.waves[{k}]") for k, wave in enumerate(cast(Sequence[object], value)))
 
 
 def _wave(value: object, path: str) -> Wave:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import cast
 
 from galewood.constants import WIND_MODELS
@@ -53,14 +54,19 @@ def found_text(value: object) -> str:
     return "" if value is None else f", not {value!r:.40}"
 
 
+def checked(value: object, rule: Field, path: str) -> float:
+    """A number within the range of its field. WindError; NaN is in no range."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise WindError(path, rule.expected, found_text(value))
+    number = float(value)
+    if not rule.low <= number <= rule.high or (rule.whole and number != math.floor(number)):
+        raise WindError(path, rule.expected, found_text(value))
+    return number
+
+
 def number_at(fields: Mapping[object, object], name: str, rule: Field, path: str) -> float:
     if name not in fields:
         if rule.default is None:
             raise WindError(f"{path}.{name}", f"missing, {rule.expected}")
         return rule.default
-    value = fields[name]
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise WindError(f"{path}.{name}", rule.expected, found_text(value))
-    if not rule.low <= value <= rule.high or (rule.whole and value != math.floor(value)):  # NaN fails too
-        raise WindError(f"{path}.{name}", rule.expected, found_text(value))
-    return float(value)
+    return checked(fields[name], rule, f"{path}.{name}")
