@@ -50,7 +50,7 @@ def read_settings() -> Settings:
 
 def end_with(sentence: str) -> NoReturn:
     """End a command with exit status 1 and a sentence that says why."""
-    console.print(sentence, highlight=False, markup=False, soft_wrap=True)
+    console.print(sentence, soft_wrap=True)
     raise typer.Exit(1) from None
 
 

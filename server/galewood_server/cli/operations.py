@@ -10,6 +10,7 @@ from galewood.io.cli import (
     JsonOut,
     Mesh,
     console,
+    print_error,
     progress_bar,
     progress_reporter,
     validated,
@@ -49,10 +50,10 @@ def upload(
             if out is not None and uploaded["table_sha256"]:
                 out.write_bytes(client.whole_table(uploaded))
     except ServiceError as error:
-        console.print(f"[red]{error.title}[/red] {error.hint}")
+        print_error(error.title, error.hint)
         raise typer.Exit(1) from None
     except httpx.TransportError as error:
-        console.print(f"[red]{server} does not respond[/red] ({error})")
+        print_error(f"{server} does not respond", f"({error})")
         raise typer.Exit(1) from None
     write_figures(json_out, uploaded)
     console.print_json(data=uploaded)
@@ -94,7 +95,7 @@ def doctor(
         end_with(sentence)
     for one in findings:
         mark = "repaired" if one.repaired else "FAULT" if one.is_fault else "note"
-        console.print(f"{mark:>8}  {one.kind}: {one.what}", highlight=False, markup=False, soft_wrap=True)
+        console.print(f"{mark:>8}  {one.kind}: {one.what}", soft_wrap=True)
     faults = sum(one.is_fault for one in findings)
     console.print(f"{faults} fault(s), {sum(one.repaired for one in findings)} repaired")
     rows = [{"kind": one.kind, "what": one.what, "repaired": one.repaired} for one in findings]

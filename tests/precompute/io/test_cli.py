@@ -67,6 +67,14 @@ def test_export_of_a_table_without_its_mesh_fails_with_a_sentence(tmp_path: Path
     assert not (tmp_path / "out.glb").exists()
 
 
+def test_square_brackets_of_names_are_printed(tmp_path: Path) -> None:
+    measurement = tmp_path / "mast [north].csv"
+    measurement.write_text("time,speed [m/s]\n0,[red]fast\n")
+    printed = CliRunner().invoke(app, ["convert", str(measurement), "--out", str(tmp_path / "wind.json")])
+    assert "mast [north].csv" in printed.output.replace("\n", "")
+    assert "'[red]fast' is not a number" in printed.output.replace("\n", " ").replace("  ", " ")
+
+
 def test_an_unknown_part_of_the_bench_is_refused() -> None:
     result = CliRunner().invoke(app, ["bench", "speed"])
     assert result.exit_code == 2

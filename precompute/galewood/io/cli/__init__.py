@@ -5,6 +5,7 @@ from galewood.io.cli.request_options import Mesh, validated, with_options_of
 from galewood.io.cli.tools import (
     JsonOut,
     console,
+    print_error,
     print_report,
     progress_bar,
     progress_reporter,
@@ -16,6 +17,7 @@ __all__ = [
     "Mesh",
     "app",
     "console",
+    "print_error",
     "print_report",
     "progress_bar",
     "progress_reporter",

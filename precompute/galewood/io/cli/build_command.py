@@ -14,6 +14,8 @@ from galewood.io.cli.tools import (
     console,
     file_writer,
     print_doubts,
+    print_error,
+    print_warning,
     progress_bar,
     progress_reporter,
     write_figures,
@@ -76,12 +78,12 @@ def build(
             failed += 1
             _fail(error, stop=len(jobs) == 1)
     if failed:
-        console.print(f"[red]{failed} of {len(jobs)} trees failed.[/red]")
+        print_error(f"{failed} of {len(jobs)} trees failed.")
         raise typer.Exit(1)
 
 
 def _fail(error: MeshError, stop: bool = True) -> None:
-    console.print(f"[red]{error.title}[/red] {error.hint}")
+    print_error(error.title, error.hint)
     if stop:
         raise typer.Exit(1) from None
 
@@ -133,7 +135,7 @@ def _build_one(
 
     def report_import(tree: TreeMesh) -> None:
         for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.own_wood))]:
-            console.print(line, highlight=False, markup=False)
+            console.print(line)
         print_doubts(tree.report)
         if tree.report["needs_review"]:
             title = "Nothing is computed before this is checked."
@@ -160,7 +162,7 @@ def _build_one(
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
     rest_pose = result.report["model"]["rest_pose"]
     for warning in [rest_pose[name] for name in ("warning", "note") if name in rest_pose]:
-        console.print(f"[yellow]Warning:[/yellow] {warning}")
+        print_warning("Warning:", str(warning))
     for line in tree_lines(result.report["tree"]):
         console.print(line)
     if line := distortion_line(result.report["drawn"]):

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from galewood.io.cli.request_options import Mesh, validated, with_options_of
-from galewood.io.cli.tools import JsonOut, console, print_doubts, write_figures
+from galewood.io.cli.tools import JsonOut, console, print_doubts, print_error, write_figures
 from galewood.options import ImportRequest
 
 WITH_WARNINGS = 3
@@ -47,11 +47,11 @@ def check(
             preview.parent.mkdir(parents=True, exist_ok=True)
             preview.write_bytes(draw_limited(glb, PREVIEW_PX, tree.added_wood()))
     except MeshError as error:
-        console.print(f"[red]{error.title}[/red] {error.hint}")
+        print_error(error.title, error.hint)
         raise typer.Exit(1) from None
     write_figures(json_out, tree.report)
     for line in [*import_lines(tree.report), *motion_lines(tree.report["expected"])]:
-        console.print(line, highlight=False, markup=False)
+        console.print(line)
     print_doubts(tree.report)
     if strict and (tree.report["warnings"] or tree.report["needs_review"]):
         raise typer.Exit(WITH_WARNINGS)

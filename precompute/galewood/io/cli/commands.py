@@ -20,6 +20,7 @@ from galewood.io.cli.tools import (
     MethodOption,
     SpeciesDir,
     console,
+    print_error,
     progress_bar,
     progress_reporter,
     write_figures,
@@ -57,7 +58,7 @@ def simulate(
     try:
         wind = validated(WindOptions, chosen).chosen()
     except (OSError, ValueError) as error:
-        console.print(f"[red]This is not a valid wind.[/red] {error}", highlight=False)
+        print_error("This is not a valid wind.", str(error))
         raise typer.Exit(1) from None
     figures = play(decode(table.read_bytes()), wind, seconds, trees, method)
     write_figures(json_out, figures)

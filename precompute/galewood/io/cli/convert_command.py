@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from galewood.io.cli.tools import JsonOut, console, print_report, write_figures
+from galewood.io.cli.tools import JsonOut, print_error, print_report, write_figures
 
 
 def convert(
@@ -37,7 +37,7 @@ def convert(
     try:
         found = read_data_file(file.read_bytes(), start_s=start_s)
     except ValueError as error:  # of an inventory, of a measurement, or of neither
-        console.print(f"[red]{file} could not be read.[/red] {error}", highlight=False)
+        print_error(f"{file} could not be read.", str(error))
         raise typer.Exit(1) from None
     if isinstance(found, Inventory):
         kind, ending, text = "inventory document", ".forest.json", json.dumps(found.document())

@@ -13,6 +13,7 @@ from galewood.io.cli.tools import (
     CacheDir,
     JsonOut,
     console,
+    print_error,
     progress_bar,
     progress_reporter,
     without_frames,
@@ -60,11 +61,11 @@ def evaluate(
                 files.table, mesh or files.mesh, model, options, cache_dir, report, plot=plot
             )
     except (MeshError, SourceError, FileNotFoundError) as error:
-        console.print(f"[red]{error}[/red]")
+        print_error(str(error))
         raise typer.Exit(1) from None
     write_figures(json_out, figures)
     for sentence in sentences(figures):
-        console.print(sentence, highlight=False, soft_wrap=True)
+        console.print(sentence, soft_wrap=True)
     console.print_json(data=without_frames(figures))
 
 

@@ -9,7 +9,14 @@ import typer
 from pydantic import Field
 
 from galewood.io.cli.request_options import validated, with_options_of
-from galewood.io.cli.tools import JsonOut, console, progress_bar, progress_reporter, write_figures
+from galewood.io.cli.tools import (
+    JsonOut,
+    console,
+    print_error,
+    progress_bar,
+    progress_reporter,
+    write_figures,
+)
 from galewood.io.cli.wind_options import WindOptions
 from galewood.io.export import LoopOptions
 
@@ -66,7 +73,7 @@ def export(
         options = ExportOptions(wind=wind, **loop)
         _write(decoded, glb, to, out or table.with_name(f"{table.stem}-{to}"), options, json_out)
     except (ExportError, TableError, WindError, KeyError, OSError, ValueError) as error:
-        console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")
+        print_error(str(error.args[0] if isinstance(error, KeyError) else error))
         raise typer.Exit(1) from None
 
 

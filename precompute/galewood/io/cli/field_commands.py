@@ -8,7 +8,16 @@ from typing import Annotated, Any
 import typer
 
 from galewood.io.cli.request_options import WoodFile, validated, with_options_of, wood_document
-from galewood.io.cli.tools import CacheDir, JsonOut, console, progress_bar, progress_reporter, write_figures
+from galewood.io.cli.tools import (
+    CacheDir,
+    JsonOut,
+    console,
+    print_error,
+    print_warning,
+    progress_bar,
+    progress_reporter,
+    write_figures,
+)
 from galewood.options import BuildRequest
 
 OF_FIELD = ("min_radius_mm", "root_stiffness_knm", "target_tets")
@@ -50,7 +59,7 @@ def field(
         with progress_bar() as bar:
             report = run_field(folder, options, progress_reporter(bar))
     except FieldError as error:
-        console.print(f"[red]{error}[/red]")
+        print_error(str(error))
         raise typer.Exit(1) from None
     _print_report(report, out or folder / "field-report")
     if report["interrupted"]:
@@ -59,9 +68,9 @@ def field(
 
 def _print_report(report: dict[str, Any], out: Path) -> None:
     for row in report["without_file"]:
-        console.print(f"[yellow]{row['tree']} (line {row['line']}): {row['why']}[/yellow]")
+        print_warning(f"{row['tree']} (line {row['line']}): {row['why']}")
     for tree in report["failed"]:
-        console.print(f"[red]{tree['tree']} failed: {tree['error']}[/red]")
+        print_error(f"{tree['tree']} failed: {tree['error']}")
     for found in report["frequency"].values():
         r2 = "–" if found["r2"] is None else f"{found['r2']:.2f}"
         console.print(
@@ -99,7 +108,7 @@ def release(
                 found.fem, sway=sway, cycles=cycles, on_progress=lambda share: report(share, "Free decay")
             )
     except (MeshError, ArithmeticError, ValueError) as error:
-        console.print(f"[red]{error}[/red]")
+        print_error(str(error))
         raise typer.Exit(1) from None
     if plot is not None:
         plot.parent.mkdir(parents=True, exist_ok=True)

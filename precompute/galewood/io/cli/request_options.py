@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 import typer
 from pydantic import BaseModel, ValidationError
 
-from galewood.io.cli.tools import console
+from galewood.io.cli.tools import print_error
 from galewood.options import list_fields
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def validated(model: type[Request], chosen: dict[str, Any]) -> Request:
     except ValidationError as error:
         for item in error.errors():
             name = "--" + str(item["loc"][0]).replace("_", "-") if item["loc"] else "Options"
-            console.print(f"[red]{name}[/red]: {item['msg']}")
+            print_error(f"{name}:", str(item["msg"]))
     raise typer.Exit(1)
 
 
@@ -100,5 +100,5 @@ def wood_document(path: Path | None) -> WoodDocument | None:
         return read_wood_document(path.read_bytes())
     except WoodError as error:
         problems = [f"{name}: {what}" for name, what in error.problems]
-        console.print(f"[red]{path} is not a valid wood document.[/red]", *problems)
+        print_error(f"{path} is not a valid wood document.", *problems)
     raise typer.Exit(1)

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.text import Text
 
 from galewood.options import METHOD_HELP, Method
 
@@ -20,7 +21,8 @@ SpeciesDir = Annotated[
     Path, typer.Option(exists=True, file_okay=False, help="Folder of the built-in trees: poplar.glb, ...")
 ]
 MethodOption = Annotated[Method, typer.Option(help=METHOD_HELP)]
-console = Console(stderr=True)
+console = Console(stderr=True, markup=False, highlight=False)
+"""Prints texts as they are: names and messages may contain square brackets, which are markup to Rich."""
 
 
 def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
@@ -30,11 +32,21 @@ def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
         path.write_text(json.dumps(figures, indent=2, default=float) + "\n")
 
 
+def print_error(what: str, *details: str) -> None:
+    """Print what is wrong in red, and what to do after it."""
+    console.print(Text(what, "red"), *details)
+
+
+def print_warning(what: str, *details: str) -> None:
+    """The same in yellow."""
+    console.print(Text(what, "yellow"), *details)
+
+
 def print_doubts(report: Mapping[str, Any]) -> None:
     """Print the warnings and the questions of an import."""
     for word, texts in (("Warning", report["warnings"]), ("Please check", report["questions"])):
         for text in texts:
-            console.print(f"[yellow]{word}:[/yellow] {text}")
+            print_warning(f"{word}:", text)
 
 
 def print_report(figures: Mapping[str, str], notes: Iterable[str]) -> None:
@@ -47,7 +59,7 @@ def print_report(figures: Mapping[str, str], notes: Iterable[str]) -> None:
 def progress_bar() -> Generator[Progress]:
     """A live bar with the stage, the completed share and the remaining time."""
     columns = (
-        TextColumn("{task.description:<48}"),
+        TextColumn("{task.description:<48}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
