@@ -158,7 +158,7 @@ class Server:
     def stop(self, how: signal.Signals = signal.SIGTERM) -> None:
         if self.process and self.process.poll() is None:
             self.process.send_signal(how)
-            self.process.wait(120)
+            self.process.wait(300)
 
     def kill(self) -> None:
         self.stop(signal.SIGKILL)

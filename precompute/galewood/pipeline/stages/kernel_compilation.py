@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from galewood.table import Table, decode
 from galewood.util import Floats, compile_once
 
 TUBE_SIDES, TUBE_RINGS = 10, 6
+RUN_FRAMES = 24
 LIMBS = (
     # start, end (m), radius at both (m): overlapping, as in most tree meshes
     ((0.0, 0.0, 0.0), (0.0, 2.6, 0.0), 0.15, 0.12),
@@ -100,10 +102,11 @@ def _tube_faces() -> list[tuple[int, ...]]:
 
 
 def _first_runs(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
-    """Simulate the runs in this process, one after the other."""
+    """Simulate the first frames of the runs in this process, one after the other."""
     paths: list[Path] = []
     for task in tasks:
-        paths.append(run_task(task))
+        first = replace(task.wind, pressure_pa=task.wind.pressure_pa[:RUN_FRAMES])
+        paths.append(run_task(replace(task, wind=first)))
         done(len(paths))
     return paths
 
