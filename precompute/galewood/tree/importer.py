@@ -15,15 +15,10 @@ from galewood.options import ImportRequest
 from galewood.tree.axis import Choice, choose_up_axis, signed, to_y_up
 from galewood.tree.joined_parts import joined_parts
 from galewood.tree.missing.missing_wood import Completed, complete_wood, foot_of_leaves, synthesize_stems
-from galewood.tree.pieces.classification import (
-    Classification,
-    ClassifiedPart,
-    classify,
-    welded_wood,
-    without_strays,
-)
+from galewood.tree.pieces.classification import Classification, classify
+from galewood.tree.pieces.classified_part import ClassifiedPart, welded_wood, without_strays
+from galewood.tree.pieces.detection.pieces import find_pieces
 from galewood.tree.pieces.groups import Group
-from galewood.tree.pieces.pieces import find_pieces
 from galewood.tree.pieces.questions import LEFT_OUT_SHARE
 from galewood.tree.pieces.report import pieces_report
 from galewood.tree.render_mesh import render_glb

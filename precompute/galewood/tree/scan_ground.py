@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from galewood.formats import RawPart
-from galewood.tree.pieces.pieces import Pieces, with_new_pieces
+from galewood.tree.pieces.detection.pieces import Pieces, with_new_pieces
 from galewood.util import Floats
 
 LEAST_FACES = 300
