@@ -14,10 +14,11 @@ SPLIT_FACES = 24  # pieces with fewer faces are never divided by colour
 SPLIT_SHARE = 0.03  # least share of the area on either side of a division
 SPLIT_DISTANCE = 0.16  # least distance of the two mean colours
 SPLIT_SPREAD = 0.26  # spread of the colours within both sides, relative to their distance
+SMOOTH_SPLIT_DISTANCE, SMOOTH_SPLIT_SPREAD = 0.085, 0.33  # the same where colours are smoothed
 SPLIT_BORDER = 0.3  # faces at the border, relative to those of a random division
 REGION_SHARE = 0.02  # least area of a region of one colour that is a piece of its own, of all with its label
 SMOOTHED_FACES = 2_000  # colours are smoothed in pieces of so many faces
-SMOOTHING_ROUNDS = 24  # each reaches one face farther
+FACES_PER_ROUND, SMOOTHING_ROUNDS = 2_000, (3, 24)  # the reach grows with the root of their number
 LIGHTNESS_WEIGHT = 0.35  # weight of lightness beside hue: a crown may be lit from one side
 
 
@@ -38,7 +39,7 @@ def divided(surface: Surface, label: Ints, count: int, colour: FaceColours) -> I
         pairs = pairs[np.argsort(label[pairs[:, 0]], kind="stable")]
         pair_bounds = np.searchsorted(label[pairs[:, 0]], np.arange(count + 1))
         result = label.copy()
-        for k in np.flatnonzero((sizes >= SPLIT_FACES) & (spread > SPLIT_DISTANCE * 0.15)):
+        for k in np.flatnonzero((sizes >= SPLIT_FACES) & (spread > SMOOTH_SPLIT_DISTANCE * 0.15)):
             faces = order[bounds[k] : bounds[k + 1]]
             second = _two_colours(seen[faces], area[faces])
             if second is None:
@@ -94,7 +95,7 @@ def _smoothed(seen: Floats, pairs: Ints, size: Ints) -> Floats:
     rows, columns = np.concatenate([first, second]), np.concatenate([second, first])
     beside = coo_matrix((ones, (rows, columns)), shape=(len(seen), len(seen))).tocsr()
     degree = 1 + np.bincount(rows, minlength=len(seen))[:, None]
-    for _ in range(SMOOTHING_ROUNDS):
+    for _ in range(int(np.clip(size.max() // FACES_PER_ROUND, *SMOOTHING_ROUNDS))):
         seen = (seen + beside @ seen) / degree
     return seen
 
@@ -133,7 +134,9 @@ def _two_colours(seen: Floats, area: Floats) -> np.ndarray | None:
     distance = float(second_mean - first_mean)
     inside = along - np.where(second, second_mean, first_mean)
     spread = float(np.sqrt(np.average(inside**2, weights=area)))
-    return second if distance >= SPLIT_DISTANCE and spread <= SPLIT_SPREAD * distance else None
+    smooth = len(seen) >= SMOOTHED_FACES
+    least, most = (SMOOTH_SPLIT_DISTANCE, SMOOTH_SPLIT_SPREAD) if smooth else (SPLIT_DISTANCE, SPLIT_SPREAD)
+    return second if distance >= least and spread <= most * distance else None
 
 
 def _separate(sides: np.ndarray, share: float) -> bool:
