@@ -74,12 +74,15 @@ def find_trunk(corners: Floats, piece: Ints, pieces: Pieces, score: Floats, memb
 
 
 def _doubt_bark(pieces: Pieces, trunk: Trunk, others: Others) -> None:
-    """What has the material and the colour of the trunk is hardly another object, if other parts differ."""
-    if not (pieces.part != pieces.part[trunk.piece]).any():
-        return
-    distance = np.linalg.norm(pieces.rgb - pieces.rgb[trunk.piece], axis=1)
-    bark = (pieces.part == pieces.part[trunk.piece]) & (distance < ALIKE_COLOUR_DISTANCE)
-    bark &= np.arange(len(pieces)) != trunk.piece
+    """What shares the colour of the trunk, and its surface or material, is hardly another object."""
+    best = trunk.piece
+    distance = np.linalg.norm(pieces.rgb - pieces.rgb[best], axis=1)
+    material = pieces.part == pieces.part[best]
+    if material.all():  # one for everything
+        material[:] = False
+    bark = material & (distance < ALIKE_COLOUR_DISTANCE)
+    bark |= (pieces.body == pieces.body[best]) & (distance < 2 * ALIKE_COLOUR_DISTANCE)
+    bark &= np.arange(len(pieces)) != best
     others.doubt[bark] = np.maximum(others.doubt[bark], others.doubt_at_first[bark] + BARK_DOUBT)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from galewood.formats import RawPart
 from galewood.tree.pieces.detection.pieces import Pieces
 from galewood.tree.pieces.evidence import Evidence, Mask
 from galewood.tree.pieces.names import named_kind
-from galewood.tree.types import Kind
 from galewood.util import Floats
 
 CONSISTENT_NAME_WEIGHT = 8.0  # weight of a name that the evidence does not contradict
@@ -56,7 +57,7 @@ def follow_names(evidence: Evidence, parts: list[RawPart], pieces: Pieces) -> Ma
     return twigs
 
 
-def _swapped(score: Floats, said: list[tuple[str, Kind] | None], pieces: Pieces) -> bool:
+def _swapped(score: Floats, said: Sequence[tuple[str, str] | None], pieces: Pieces) -> bool:
     """Whether what is called wood looks like leaves on the whole, and the other way round."""
     means: dict[bool, float] = {}
     for leafy in (True, False):

@@ -29,6 +29,7 @@ class Pieces:
     rgb: Floats  # (k, 3) mean sRGB
     cut_out: Floats  # mean share that the alpha channel cuts out
     coloured: np.ndarray  # whether the colour is known
+    body: Ints  # number of the connected surface, before it was divided by colour
 
     def turned(self, rotation: Floats) -> Pieces:
         """The pieces in turned axes; `rotation` (3, 3) maps axes to axes."""
@@ -45,13 +46,18 @@ def find_pieces(parts: list[RawPart]) -> Pieces:
     colours: list[FaceColours] = []
     borders: list[Floats] = []
     numbers: list[Ints] = []
+    bodies: list[Ints] = []
     total = 0
     for number, part in enumerate(parts):
         welded = weld_keeping_faces(Surface(part.positions, part.faces))
         colour = face_colours(part)
         count, label = _in_file_order(edge_components(welded.faces)[1])
+        surface = label
         if colour.known:
             count, label = _in_file_order(divided(welded, label, count, colour))
+        body = np.zeros(count, dtype=np.int32)
+        body[label] = surface + total
+        bodies.append(body)
         borders.append(_border(welded))
         colours.append(colour)
         of_face.append((label + total).astype(np.int32))
@@ -64,7 +70,9 @@ def find_pieces(parts: list[RawPart]) -> Pieces:
     rgb, cut_out = _mean_colours(corners, piece, total, colours)
     part_index = np.concatenate(part_of)
     known = np.array([c.known for c in colours])[part_index]
-    return Pieces(part_index, np.concatenate(numbers), of_face, shapes, rgb, cut_out, known)
+    return Pieces(
+        part_index, np.concatenate(numbers), of_face, shapes, rgb, cut_out, known, np.concatenate(bodies)
+    )
 
 
 def with_new_pieces(pieces: Pieces, parts: list[RawPart], part: int, faces: Ints) -> Pieces:
@@ -85,6 +93,7 @@ def with_new_pieces(pieces: Pieces, parts: list[RawPart], part: int, faces: Ints
         rgb=np.vstack([pieces.rgb, pieces.rgb[old]]),
         cut_out=np.append(pieces.cut_out, pieces.cut_out[old]),
         coloured=np.append(pieces.coloured, pieces.coloured[old]),
+        body=np.append(pieces.body, pieces.body[old]).astype(np.int32),
     )
 
 
