@@ -10,7 +10,7 @@ import pytest
 from tests.precompute.fixtures.labelled.scoring import Result, classified
 from tests.precompute.fixtures.packs.files import pack_file
 
-TUNED, HELD_BACK = range(24), range(1000, 1150)
+TUNED, HELD_BACK = range(24), range(2000, 2150)
 RIGHT = 0.95
 """Share of the faces of a file from which it is read rightly."""
 

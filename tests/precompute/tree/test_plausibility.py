@@ -1,5 +1,7 @@
 """Faults that files of strangers showed, as small generated files."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from galewood.formats import RawPart
@@ -20,7 +22,7 @@ BROWN, GREEN = Look(factor=linear((101, 67, 33))), Look(factor=linear((78, 140, 
 TRUNK = [(0.05, 0.0), (0.04, 0.3), (0.03, 0.6)]
 
 
-def faces_of(pieces: list[Piece]) -> tuple[dict[str, int], dict]:
+def faces_of(pieces: list[Piece]) -> tuple[dict[str, int], dict[str, Any]]:
     """How many faces of each kind are drawn, and the report."""
     tree = read_tree(write_nested_glb(pieces, (), False, ""), "model.glb", ImportRequest(height_m=8.0))
     counts: dict[str, int] = {}
