@@ -8,8 +8,8 @@ import numpy as np
 
 from galewood.options import Axis, ImportRequest
 from galewood.tree import upright
+from galewood.tree.pieces.detection.pieces import Pieces
 from galewood.tree.pieces.evidence import own_evidence
-from galewood.tree.pieces.pieces import Pieces
 from galewood.util import Floats, Ints
 
 MAX_SAMPLES = 20_000
@@ -32,6 +32,7 @@ TAPER_WEIGHT = 2.0  # for wood three times as thick below as above
 GROUND_WEIGHT = 5.0
 ORDER_WEIGHT = 8.0  # per height between the centres of wood and leaves
 SURE_CONFIDENCE, CERTAIN_CONFIDENCE = 0.8, 0.85
+CONTRARY_CONFIDENCE = 0.97  # from which another axis than the stated one is taken without asking
 LEAST_LEAD = 1.0  # of +Y over other axes by shape alone; with less, a format that demands +Y is doubted
 CONVENTION_REASON = "the convention of the format"
 
@@ -101,7 +102,9 @@ def decided(weights: dict[str, dict[Axis, float]], file_format: str) -> Choice:
         against = [stated]
     reason = ", ".join(favouring) or "no evidence for another axis"
     reason += f"; but {', '.join(against)} suggest another" if against else ""
-    return Choice(best, reason, assumed=True, unsure=confidence < SURE_CONFIDENCE, confidence=confidence)
+    least = CONTRARY_CONFIDENCE if stated else SURE_CONFIDENCE
+    unsure = confidence < least or bool(stated and best.startswith("-"))
+    return Choice(best, reason, assumed=True, unsure=unsure, confidence=confidence)
 
 
 def _as_stated(stated: str, weights: dict[str, dict[Axis, float]], totals: dict[Axis, float]) -> Choice:

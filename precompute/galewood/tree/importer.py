@@ -10,20 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from galewood.formats import FileContent, Material, RawPart, check_faces, read_parts
+from galewood.formats import FileContent, Material, RawPart, read_parts
 from galewood.options import ImportRequest
 from galewood.tree.axis import Choice, choose_up_axis, signed, to_y_up
 from galewood.tree.joined_parts import joined_parts
 from galewood.tree.missing.missing_wood import Completed, complete_wood, foot_of_leaves, synthesize_stems
-from galewood.tree.pieces.classification import (
-    Classification,
-    ClassifiedPart,
-    classify,
-    welded_wood,
-    without_strays,
-)
+from galewood.tree.pieces.classification import Classification, classify
+from galewood.tree.pieces.classified_part import ClassifiedPart, welded_wood, without_strays
+from galewood.tree.pieces.detection.pieces import find_pieces
 from galewood.tree.pieces.groups import Group
-from galewood.tree.pieces.pieces import find_pieces
 from galewood.tree.pieces.questions import LEFT_OUT_SHARE
 from galewood.tree.pieces.report import pieces_report
 from galewood.tree.render_mesh import render_glb
@@ -33,7 +28,8 @@ from galewood.tree.species_names import guess_species, named_habit
 from galewood.tree.surface import Bodies, solid_wood
 from galewood.tree.types import KINDS, RenderPrimitive, TreeMesh
 from galewood.tree.unit import choose_scale
-from galewood.util import Floats, Ints, MeshError, shown_text
+from galewood.tree.usable_parts import as_one_mesh, check_volume, usable_parts
+from galewood.util import Floats, MeshError, shown_text
 
 __all__ = [
     "Material",
@@ -128,9 +124,9 @@ def classify_content(
     content: FileContent, options: ImportRequest
 ) -> tuple[list[RawPart], Choice, Classification]:
     """The usable parts of a file turned y up, the up axis, and the classification of all pieces."""
-    parts = joined_parts(_usable(content.parts))
-    vertices, faces = _joined(parts)
-    _check_volume(vertices)
+    parts = joined_parts(usable_parts(content.parts))
+    vertices, faces = as_one_mesh(parts)
+    check_volume(vertices)
     pieces = find_pieces(parts)
     up = choose_up_axis(vertices, faces, pieces, content.file_format, options)
     rotation = to_y_up(up.value)
@@ -138,64 +134,6 @@ def classify_content(
     turned = pieces.turned(rotation)
     turned = turned if content.qsm else without_ground(parts, turned)
     return parts, up, classify(parts, options, content.qsm is not None, turned)
-
-
-def _usable(parts: list[RawPart]) -> list[RawPart]:
-    parts = [p for p in parts if len(p.faces) and len(p.positions)]
-    count = sum(len(p.faces) for p in parts)
-    if count == 0:
-        raise MeshError(
-            "no-faces", "unsuitable", "The file contains no triangles.", "Export the tree as a triangle mesh."
-        )
-    check_faces(count)
-    bad = sum(
-        int((~np.isfinite(p.positions).all(axis=1) | (np.abs(p.positions) > 1e12).any(axis=1)).sum())
-        for p in parts
-    )
-    if bad:
-        raise MeshError(
-            "non-finite", "unsuitable", f"{bad} vertices have coordinates that are not finite.",
-            "Remove them (in Blender: Mesh > Clean Up) and export the file again.",
-        )  # fmt: skip
-    for part in parts:
-        if int(part.faces.min()) < 0 or int(part.faces.max()) >= len(part.positions):
-            raise MeshError(
-                "index-out-of-range",
-                "malformed",
-                "A face refers to a vertex that does not exist.",
-                "Export the file again.",
-            )
-    return [_with_finite_extras(p) for p in parts]
-
-
-def _with_finite_extras(part: RawPart) -> RawPart:
-    """Drop normals, texture coordinates and colours that are not finite or have the wrong length."""
-
-    def valid(rows: Floats | None) -> Floats | None:
-        return (
-            rows
-            if rows is not None and len(rows) == len(part.positions) and np.isfinite(rows).all()
-            else None
-        )
-
-    return replace(part, normals=valid(part.normals), uv=valid(part.uv), colours=valid(part.colours))
-
-
-def _joined(parts: list[RawPart]) -> tuple[Floats, Ints]:
-    offsets = np.cumsum([0] + [len(p.positions) for p in parts])
-    faces = np.concatenate([p.faces + int(o) for p, o in zip(parts, offsets, strict=False)])
-    return np.concatenate([p.positions for p in parts]), faces
-
-
-def _check_volume(vertices: Floats) -> None:
-    singular = np.linalg.svd(vertices - vertices.mean(axis=0), compute_uv=False)
-    if not singular[0] > 0 or singular[-1] < 1e-6 * singular[0] or len(vertices) < 4:
-        raise MeshError(
-            "no-volume",
-            "unsuitable",
-            "The mesh is flat and encloses no volume.",
-            "Upload a tree with solid wood.",
-        )
 
 
 def _habit(filename: str, found: Classification) -> str | None:

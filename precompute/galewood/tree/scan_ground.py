@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from galewood.formats import RawPart
-from galewood.tree.pieces.pieces import Pieces, with_new_pieces
+from galewood.tree.pieces.detection.pieces import Pieces, with_new_pieces
 from galewood.util import Floats
 
 LEAST_FACES = 300
-GRID_CELLS = 48
+MAX_GRID_CELLS = 48
+CELLS_PER_ROOT_FACE = 0.6  # a coarse mesh has few faces for the cells
 LARGE_AREA_SHARE = 0.25  # of the area of all pieces
 FOOT_HEIGHT_SHARE = 0.12  # the ground is in this lowest share of a piece's height
 MIN_WIDENING_RATIO = 2.5  # ground is so much wider than the trunk just above it
@@ -53,8 +54,9 @@ def ground_faces(corners: Floats) -> np.ndarray | None:
     reach = np.linalg.norm(plan[above] - axis, axis=1)
     trunk = float(np.quantile(reach, 0.8))
     spread = float(np.quantile(np.linalg.norm(plan[in_foot] - axis, axis=1), 0.8))
-    cell = np.minimum(((plan - start) / size * GRID_CELLS).astype(np.intp), GRID_CELLS - 1)
-    terrain = np.full((GRID_CELLS, GRID_CELLS), np.inf)
+    cells = int(min(MAX_GRID_CELLS, CELLS_PER_ROOT_FACE * np.sqrt(in_foot.sum()) + 1))
+    cell = np.minimum(((plan - start) / size * cells).astype(np.intp), cells - 1)
+    terrain = np.full((cells, cells), np.inf)
     np.minimum.at(terrain, (cell[in_foot, 0], cell[in_foot, 1]), centre[in_foot, 1])
     covered = float(np.isfinite(terrain).mean()) * size**2 / max(float(np.prod(np.ptp(plan, axis=0))), 1e-300)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from galewood.tree.pieces.detection.pieces import Pieces
 from galewood.tree.pieces.evidence import MAX_TRUNK_THICKNESS_SHARE, is_tube
-from galewood.tree.pieces.pieces import Pieces
 from galewood.util import Floats, Ints
 
 BASE_SLAB = 0.04  # share of the height regarded as the base

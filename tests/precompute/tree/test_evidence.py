@@ -17,8 +17,9 @@ from galewood.tree.unit import choose_scale
 from tests.precompute.fixtures.labelled.looks import OTHER, Part
 from tests.precompute.fixtures.labelled.parts import broadleaf, trunk
 from tests.precompute.fixtures.labelled.shapes import Shape, ball, box, cards, in_ball, together, tube
-from tests.precompute.fixtures.labelled.trees import STYLES, labelled_file
+from tests.precompute.fixtures.labelled.trees import STYLES, LabelledFile, labelled_file
 from tests.precompute.fixtures.labelled.writers import write_obj
+from tests.precompute.fixtures.packs.files import pack_file
 
 SEED = 71
 MOST_CHANGED = 0.02
@@ -61,12 +62,27 @@ def test_names_that_only_resemble_default_ones_still_count():
     ]
 
 
-@pytest.mark.parametrize("style", sorted(s for s, (_, kind, _) in STYLES.items() if kind == "glb"))
-def test_names_change_hardly_a_face_of_a_tree_with_telling_colours(style):
-    file = labelled_file(style, SEED)
+def assert_names_change_little(file: LabelledFile) -> None:
     content = read_parts(file.data, file.filename, ImportRequest())
     changed = kinds_of(content) != kinds_of(with_neutral_names(content))
-    assert changed.mean() <= MOST_CHANGED
+    assert changed.mean() <= MOST_CHANGED, file.style
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("style", sorted(s for s, (_, kind, _) in STYLES.items() if kind == "glb"))
+def test_names_change_hardly_a_face_of_a_tree_with_telling_colours(style):
+    assert_names_change_little(labelled_file(style, SEED))
+
+
+@pytest.mark.parametrize("seed", range(200, 212))
+def test_names_change_hardly_a_face_of_a_file_of_a_pack(seed):
+    assert_names_change_little(pack_file(seed, coloured=True))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(1200, 1260))
+def test_names_change_hardly_a_face_of_held_back_files(seed):
+    assert_names_change_little(pack_file(seed, coloured=True))
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,11 @@ from galewood.formats.types import Material, RawPart
 from galewood.options import ImportRequest
 from galewood.tree.importer import read_tree
 from galewood.tree.piece_mesh import pieces_glb
-from galewood.tree.pieces.colour import face_colours, hue_saturation_value
+from galewood.tree.pieces.detection.colour import face_colours, hue_saturation_value
+from galewood.tree.pieces.detection.pieces import find_pieces
+from galewood.tree.pieces.detection.shape import measure
 from galewood.tree.pieces.names import named_kind, named_other
 from galewood.tree.pieces.painted import ranges_of
-from galewood.tree.pieces.pieces import find_pieces
-from galewood.tree.pieces.shape import measure
 from galewood.tree.scan_ground import ground_faces
 from galewood.util import MeshError
 from PIL import Image

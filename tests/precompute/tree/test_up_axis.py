@@ -10,7 +10,7 @@ from galewood.options import ImportRequest
 from galewood.tree.axis import AXES, choose_up_axis, to_y_up
 from galewood.tree.importer import read_tree
 from galewood.tree.joined_parts import joined_parts
-from galewood.tree.pieces.pieces import find_pieces
+from galewood.tree.pieces.detection.pieces import find_pieces
 from galewood.tree.upright import ground, section_thickness
 
 from tests.precompute.fixtures import tree_meshes as make

@@ -9,56 +9,39 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from galewood.formats import RawPart
 from galewood.options import ImportRequest
+from galewood.tree.pieces.around_trunk import find_around
 from galewood.tree.pieces.choices import Choices, read_choices
+from galewood.tree.pieces.classified_part import ClassifiedPart, restricted
+from galewood.tree.pieces.detection.pieces import Pieces, find_pieces
 from galewood.tree.pieces.evidence import (
     SURE_SCORE,
     WOOD_PRIOR_SCORE,
     Evidence,
-    Mask,
     add_position,
     is_sheet,
     own_evidence,
 )
 from galewood.tree.pieces.groups import Group, GroupKind, group_pieces
+from galewood.tree.pieces.name_evidence import follow_names, name_hints
 from galewood.tree.pieces.names import named_kind, own_kind
 from galewood.tree.pieces.other_objects import (
     Others,
     doubts,
-    find_around,
     find_ground,
     find_named,
     joined_faces,
 )
 from galewood.tree.pieces.painted import painted_kinds, with_painted
-from galewood.tree.pieces.pieces import Pieces, find_pieces
 from galewood.tree.pieces.questions import doubts_of
 from galewood.tree.pieces.separate_trees import FoundTree, find_trees
-from galewood.tree.repair import Surface, weld
-from galewood.tree.surface import Bodies
 from galewood.tree.types import KINDS, Kind
 from galewood.util import Floats, Ints, MeshError
 
-CONSISTENT_NAME_WEIGHT = 8.0  # weight of a name that the evidence does not contradict
-CONTRADICTED_NAME_WEIGHT = 0.75  # weight of a name that it does contradict
-CONTRADICTION_SCORE = 3.0  # score of a piece that contradicts its name
-CONTRADICTS_MIXED = 1.4  # the same, if other pieces of that name strongly agree with it
-CONTRADICTION_AREA_SHARE = 0.4  # of the area that must contradict a name
 SAME_COLOUR = 0.1
 NAMED_ODDS = 8.0  # of a file whose names are known to be right
-
-
-@dataclass(frozen=True)
-class ClassifiedPart:
-    """A part that is entirely of one kind, and the reason."""
-
-    part: RawPart
-    kind: Kind
-    reason: str
-    vertex_groups: Ints  # index in `Classification.groups` of each vertex; −1: no face uses it
 
 
 @dataclass(frozen=True)
@@ -135,7 +118,7 @@ def _as_named(pieces: Pieces, parts: list[RawPart], given: list[Kind]) -> _Found
 def _analysed(pieces: Pieces, parts: list[RawPart]) -> _Found:
     evidence = own_evidence(pieces)
     corners, piece = joined_faces(parts, pieces)
-    hints = _name_hints(parts, pieces)
+    hints = name_hints(parts, pieces)
     others = Others(doubts(pieces, hints))
     hinted = evidence.score + hints
     find_named(parts, pieces, hinted, others)
@@ -146,19 +129,12 @@ def _analysed(pieces: Pieces, parts: list[RawPart]) -> _Found:
     for number in range(1, len(trees) + 1):
         add_position(evidence, pieces, tree == number)
     _follow_colour(evidence, pieces)
-    twigs = _follow_names(evidence, parts, pieces)
+    twigs = follow_names(evidence, parts, pieces)
     wood = evidence.score > 0
     kind: list[Kind] = ["twigs" if t else "wood" if w else "leaves" for w, t in zip(wood, twigs, strict=True)]
     odds = np.where(others.left(len(pieces)), np.abs(evidence.score), others.odds)
     found = _Found(pieces, kind, evidence.reasons(wood), odds, others, tree, trees, [])
     return _with_wood(found, evidence)
-
-
-def _name_hints(parts: list[RawPart], pieces: Pieces) -> Floats:
-    """A small weight for the pieces of parts that a name calls wood or leaves."""
-    weights = {"wood": 1.5, "twigs": 1.5, "leaves": -1.5, None: 0.0}
-    of_part = [weights[next((k for k in map(named_kind, p.labels) if k), None)] for p in parts]
-    return np.array(of_part)[pieces.part]
 
 
 def _follow_colour(evidence: Evidence, pieces: Pieces) -> None:
@@ -177,31 +153,6 @@ def _follow_colour(evidence: Evidence, pieces: Pieces) -> None:
         mean = (weight * np.sign(score[known])).sum(axis=1) / np.maximum(total, 1e-300)
         added[weak] = np.where(total > 0, 1.2 * mean, 0.0)
     evidence.add(added != 0, added, "like the other pieces of its part and colour")
-
-
-def _follow_names(evidence: Evidence, parts: list[RawPart], pieces: Pieces) -> Mask:
-    """Add the names; returns which pieces are named as twigs."""
-    twigs = np.zeros(len(pieces), dtype=bool)
-    said = [next(((label, k) for label in p.labels if (k := named_kind(label))), None) for p in parts]
-    score = evidence.score
-    for name in dict.fromkeys(one for one in said if one):
-        label, kind = name
-        rows = np.isin(pieces.part, [n for n, one in enumerate(said) if one == name])
-        sign = -1.0 if kind == "leaves" else 1.0
-        area, agrees = pieces.shapes.area, sign * score
-        mixed = bool((agrees[rows] > 2 * CONTRADICTS_MIXED).any())
-        limit = CONTRADICTS_MIXED if mixed else CONTRADICTION_SCORE
-        against = float(area[rows & (agrees < -limit)].sum()) > CONTRADICTION_AREA_SHARE * float(
-            area[rows].sum()
-        )
-        evidence.add(
-            rows,
-            sign * (CONTRADICTED_NAME_WEIGHT if against else CONSISTENT_NAME_WEIGHT),
-            f"its name {label!r}",
-        )
-        if kind == "twigs" and not against:
-            twigs |= rows
-    return twigs
 
 
 def _with_wood(found: _Found, evidence: Evidence) -> _Found:
@@ -263,7 +214,7 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportRequest) -> Clas
                 faces = np.flatnonzero(taken[found.pieces.of_face[index]])
                 reason = "; ".join(list(dict.fromkeys(g.reason for g in mine))[:3])
                 whole = ClassifiedPart(part, kind, reason, vertex_groups)
-                result.append(whole if len(faces) == len(part.faces) else _restricted(whole, faces))
+                result.append(whole if len(faces) == len(part.faces) else restricted(whole, faces))
     doubt = doubts_of(groups, len(found.trees), number)
     return Classification(
         result,
@@ -297,56 +248,3 @@ def _decided(group: Group, choices: Choices, tree: int) -> Group:
         probability=1.0,
         unsure_faces=0,
     )
-
-
-def sub_part(part: RawPart, faces: Ints) -> RawPart:
-    """The part restricted to the given faces; vertices keep their order."""
-    used, inverse = np.unique(part.faces[faces], return_inverse=True)
-
-    def pick(rows: Floats | None) -> Floats | None:
-        return None if rows is None else rows[used]
-
-    return replace(
-        part,
-        positions=part.positions[used],
-        faces=inverse.reshape(-1, 3).astype(np.int32),
-        normals=pick(part.normals),
-        uv=pick(part.uv),
-        colours=pick(part.colours),
-    )
-
-
-def _restricted(piece: ClassifiedPart, faces: Ints) -> ClassifiedPart:
-    used = np.unique(piece.part.faces[faces])
-    return replace(piece, part=sub_part(piece.part, faces), vertex_groups=piece.vertex_groups[used])
-
-
-def welded_wood(pieces: list[ClassifiedPart]) -> Surface:
-    """All wood as one welded surface."""
-    vertices, faces, offset = [], [], 0
-    for piece in pieces:
-        if piece.kind == "wood":
-            vertices.append(piece.part.positions)
-            faces.append(piece.part.faces + offset)
-            offset += len(piece.part.positions)
-    return weld(Surface(np.concatenate(vertices), np.concatenate(faces).astype(np.int32)))
-
-
-def without_strays(pieces: list[ClassifiedPart], kept: Floats, bodies: Bodies) -> list[ClassifiedPart]:
-    """The parts without what is nearest to a body on the ground; what is nearest to a floating one is leaves.
-
-    `kept` (n, 3) are the vertices of the wood.
-    """
-    if not len(bodies.floating) + len(bodies.grounded):
-        return pieces
-    trees = [KDTree(points) if len(points) else None for points in (kept, bodies.floating, bodies.grounded)]
-    result: list[ClassifiedPart] = []
-    for piece in pieces:
-        middle = piece.part.positions[piece.part.faces].mean(axis=1)
-        apart = [np.full(len(middle), np.inf) if tree is None else tree.query(middle)[0] for tree in trees]
-        nearest = np.argmin(apart, axis=0)  # the first of equal ones: the tree
-        for number, kind in ((0, piece.kind), (1, "twigs" if piece.kind == "twigs" else "leaves")):
-            own = np.flatnonzero(nearest == number)
-            if len(own):
-                result.append(replace(_restricted(piece, own), kind=kind))
-    return result

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from galewood.tree.pieces.colour import hue_saturation_value
-from galewood.tree.pieces.pieces import Pieces
-from galewood.tree.pieces.shape import Shapes
+from galewood.tree.pieces.detection.colour import hue_saturation_value
+from galewood.tree.pieces.detection.pieces import Pieces
+from galewood.tree.pieces.detection.shape import Shapes
 from galewood.util import Floats
 
 SURE_SCORE = 1.0
@@ -26,6 +26,10 @@ PATCH_HEIGHT_SHARE = 0.3  # largest patch of bark, of the trunk's height
 MANY_PIECES = 24  # similar small pieces
 ALIKE_COLOUR_DISTANCE = 0.12  # distance of colours that count as the same
 STRIP_FLATNESS = 4.5  # flatness (see `_flatness`) above which a piece is a strip
+MIN_STRIP_ANISOTROPY = 0.12  # difference of the two largest eigenvalues of a strip's normals; 0 for a tube
+WIDE_CROWN_RATIO = 3.0  # width of a tier, of the trunk's thickness
+MAX_FILLED_SHARE = 0.3  # volume of branches, of their box
+MAX_GREY_VALUE = 0.62  # brighter grey is snow, or the background of a texture
 Mask = np.ndarray
 
 
@@ -71,8 +75,12 @@ def _flatness(s: Shapes) -> Floats:
 
 
 def is_flattened(s: Shapes) -> Mask:
-    """Closed strips and lenses, such as thick fronds: no faces look along their width."""
-    strip = (s.normals[:, 2] < 0.08) & (_flatness(s) > STRIP_FLATNESS)
+    """Closed strips and lenses, such as thick fronds: no faces look along their width.
+
+    The faces of a tube with many branches look equally in both directions across it, those of a strip do not.
+    """
+    across = s.normals[:, 0] - s.normals[:, 1]
+    strip = (s.normals[:, 2] < 0.08) & (across > MIN_STRIP_ANISOTROPY) & (_flatness(s) > STRIP_FLATNESS)
     return ((s.normals[:, 0] > 0.66) | strip) & ~is_sheet(s) & (s.faces > 8)
 
 
@@ -85,6 +93,8 @@ def is_tube(s: Shapes) -> Mask:
     branching = (s.thickness < 0.15 * long) & (s.normals[:, 0] < 0.6)
     branching &= (s.thickness > 0.003 * long) | (_flatness(s) < STRIP_FLATNESS)
     branching &= (s.coherence < 0.35) & (s.open_border < 40.0)
+    filled = s.thickness * s.area / 4 / np.maximum(s.extents.prod(axis=1), 1e-300)  # share of its box
+    branching &= (filled < MAX_FILLED_SHARE) | (wide < 0.4 * long)  # a crown of blocks is no branches
     return (straight & (s.normals[:, 0] < 0.7) | branching) & ~is_sheet(s) & ~is_flattened(s)
 
 
@@ -125,7 +135,7 @@ def _colour_evidence(found: Evidence, pieces: Pieces) -> None:
     pink = known & ((hue > 290) | (hue < 8)) & (saturation > 0.2) & ~vivid
     found.add(pink & (value > 0.45), -1.2, "coloured like blossoms")
     found.add(pink & (value <= 0.45), 0.5, "dark reddish brown")
-    found.add(known & (saturation <= 0.12) & (value < 0.8), 0.5, "grey")
+    found.add(known & (saturation <= 0.12) & (value < MAX_GREY_VALUE), 0.5, "grey")
     found.add(known & (hue >= 170) & (hue <= 290) & (saturation > 0.2), -0.6, "coloured unlike bark")
 
 
@@ -160,24 +170,37 @@ def add_position(found: Evidence, pieces: Pieces, members: Mask) -> None:
 
 
 def _compare_with_trunk(found: Evidence, pieces: Pieces, members: Mask, trunk: Mask) -> None:
-    """Other pieces that have the colour of the trunk are more likely wood, all others less."""
-    sure = trunk & pieces.coloured & (found.score > SURE_SCORE)
+    """Other pieces of the trunk's colour are more likely wood, others less, as is what is around the trunk
+    and much wider."""
+    s = pieces.shapes
+    sure = trunk & (found.score > SURE_SCORE)
     if not sure.any():
         return
-    best = int(np.argmax(np.where(sure, pieces.shapes.high[:, 1] - pieces.shapes.low[:, 1], -1.0)))
+    best = int(np.argmax(np.where(sure, s.high[:, 1] - s.low[:, 1], -1.0)))
+    found.add(members & _around_trunk(s, best), -1.5, "around the trunk, much wider")
+    if not pieces.coloured[best]:
+        return
     distance = np.linalg.norm(pieces.rgb - pieces.rgb[best], axis=1)
     others = members & pieces.coloured & (np.arange(len(pieces)) != best)
     alike = others & (distance < ALIKE_COLOUR_DISTANCE)
     found.add(alike, 0.8, "coloured like the trunk")
     found.add(others & (distance > 2 * ALIKE_COLOUR_DISTANCE), -0.6, "coloured unlike the trunk")
     _, saturation, _ = hue_saturation_value(pieces.rgb)
-    s = pieces.shapes
     if bool(is_green(pieces)[best]):  # such as a cactus: green says nothing
         limb = ~is_sheet(s) & ~is_flattened(s) & ~is_round(s) & (s.thickness > 0.25 * s.thickness[best])
         found.add(alike & limb, 2.5, "a green limb like the trunk")
     small = s.extents[:, 0] < PATCH_HEIGHT_SHARE * float(s.high[best, 1] - s.low[best, 1])
     dull = ~is_green(pieces) & (saturation < 0.3) & (pieces.cut_out < 0.04)
     found.add(others & small & dull & _on_trunk(s, best), 4.0, "a patch of the bark")
+
+
+def _around_trunk(s: Shapes, trunk: int) -> Mask:
+    """Bodies whose boxes surround the axis of a trunk above its foot and are much wider: tiers, crowns."""
+    axis, plan = s.centre[trunk, [0, 2]], [0, 2]
+    inside = ((s.low[:, plan] < axis) & (s.high[:, plan] > axis)).all(axis=1)
+    narrow = (s.high - s.low)[:, plan].min(axis=1)
+    above = s.low[:, 1] > s.low[trunk, 1] + 0.1 * (s.high[trunk, 1] - s.low[trunk, 1])
+    return inside & above & (narrow > WIDE_CROWN_RATIO * s.thickness[trunk]) & ~is_tube(s)
 
 
 def _on_trunk(s: Shapes, trunk: int) -> Mask:

@@ -11,10 +11,10 @@ from typing import Any, Literal
 import numpy as np
 
 from galewood.formats import RawPart
-from galewood.tree.pieces.colour import hex_colour
+from galewood.tree.pieces.detection.colour import hex_colour
+from galewood.tree.pieces.detection.pieces import Pieces
 from galewood.tree.pieces.evidence import SURE_SCORE
 from galewood.tree.pieces.other_objects import Others
-from galewood.tree.pieces.pieces import Pieces
 from galewood.tree.types import Kind
 from galewood.util import Floats, Ints
 

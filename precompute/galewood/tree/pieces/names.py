@@ -19,7 +19,7 @@ WOOD_NAMES = re.compile(
 )
 TWIG_NAMES = re.compile(r"twig|zweig|brindille", re.I)
 LEAF_NAMES = re.compile(
-    r"leaf|leaves|leafs|foliage|frond|needle|blossom|flower|petal|fruit|crown|canopy|green|grass|bush|feuill|blatt"
+    r"leaf|leaves|leafs|foliage|frond|needle|blossom|flower|petal|fruit|crown|canopy|(?<!ever)green(?!land|house)|grass(?!land)|bush|snow|feuill|blatt"
     r"|bl[äa]e?tter|laub|nadel|krone|bl[üu]e?te|\bhojas?\b|follaje|foglia|foglie|folha|\bblad|yaprak|listí|\bli[śs][ćc]"
     r"|л[иi]ст|хво[яй]|крон|叶|葉|花|树冠|樹冠|잎|꽃",
     re.I,

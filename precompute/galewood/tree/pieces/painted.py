@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from galewood.options import ImportRequest
+from galewood.tree.pieces.detection.pieces import Pieces
 from galewood.tree.pieces.groups import Group, GroupKind
-from galewood.tree.pieces.pieces import Pieces
 from galewood.util import Ints
 
 RANGE_PATTERN = re.compile(r"(\d{1,9})\.(\d{1,9})-(\d{1,9})")

@@ -39,6 +39,8 @@ def doubts_of(groups: list[Group], trees: int, number: int) -> Doubts:
         )
     unsure = sum(g.unsure_faces for g in kept) / max(sum(g.faces for g in kept), 1)
     questions = _left_out(kept, left)
+    if kept and not any(g.kind == "wood" for g in kept) and not any(g.chosen for g in kept):
+        questions.append("No wood was found: if any of the pieces is a trunk, choose it as wood.")
     if unsure > UNSURE_SHARE:
         questions.append(
             f"Unsure about {unsure:.0%} of the faces: check which pieces are wood and which are leaves."

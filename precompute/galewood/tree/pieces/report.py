@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from galewood.tree.pieces.classification import Classification, ClassifiedPart
+from galewood.tree.pieces.classification import Classification
+from galewood.tree.pieces.classified_part import ClassifiedPart
 from galewood.tree.types import KINDS
 from galewood.util import Ints
 

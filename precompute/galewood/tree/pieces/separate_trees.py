@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from galewood.tree.pieces.detection.pieces import Pieces
 from galewood.tree.pieces.evidence import Mask, is_tube
 from galewood.tree.pieces.other_objects import Others, touching
-from galewood.tree.pieces.pieces import Pieces
 from galewood.util import Floats, Ints
 
 FLOATING_HEIGHT_SHARE = 0.1  # of the scene's height above the ground

@@ -1,132 +1,28 @@
-"""Connected pieces of all parts of a file: faces that share edges, divided where their colour changes.
-
-Pieces are numbered in the order of the file and depend on no option, so that a number in a report means the
-same faces in the next import of the same file.
-"""
+"""Division of connected pieces where their colour changes: trunk and crown that are welded together."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
-from galewood.formats import RawPart
-from galewood.tree.pieces.colour import FaceColours, face_colours
-from galewood.tree.pieces.shape import Shapes, measure
-from galewood.tree.repair import Surface, directed_edges, edge_components, weld_keeping_faces
+from galewood.tree.pieces.detection.colour import FaceColours
+from galewood.tree.repair import Surface, directed_edges
 from galewood.util import Floats, Ints
 
 SPLIT_FACES = 24  # pieces with fewer faces are never divided by colour
 SPLIT_SHARE = 0.03  # least share of the area on either side of a division
 SPLIT_DISTANCE = 0.16  # least distance of the two mean colours
 SPLIT_SPREAD = 0.26  # spread of the colours within both sides, relative to their distance
+SMOOTH_SPLIT_DISTANCE, SMOOTH_SPLIT_SPREAD = 0.085, 0.33  # the same where colours are smoothed
 SPLIT_BORDER = 0.3  # faces at the border, relative to those of a random division
+REGION_SHARE = 0.02  # least area of a region of one colour that is a piece of its own, of all with its label
 SMOOTHED_FACES = 2_000  # colours are smoothed in pieces of so many faces
-SMOOTHING_ROUNDS = 24  # each reaches one face farther
+FACES_PER_ROUND, SMOOTHING_ROUNDS = 2_000, (3, 24)  # the reach grows with the root of their number
 LIGHTNESS_WEIGHT = 0.35  # weight of lightness beside hue: a crown may be lit from one side
 
 
-@dataclass(frozen=True)
-class Pieces:
-    """All pieces of a file: their part, shape and colour, one row per piece."""
-
-    part: Ints
-    number: Ints  # within the part
-    of_face: list[Ints]  # for each part, the piece of each face
-    shapes: Shapes
-    rgb: Floats  # (k, 3) mean sRGB
-    cut_out: Floats  # mean share that the alpha channel cuts out
-    coloured: np.ndarray  # whether the colour is known
-
-    def turned(self, rotation: Floats) -> Pieces:
-        """The pieces in turned axes; `rotation` (3, 3) maps axes to axes."""
-        return replace(self, shapes=self.shapes.turned(rotation))
-
-    def __len__(self) -> int:
-        return len(self.part)
-
-
-def find_pieces(parts: list[RawPart]) -> Pieces:
-    """The pieces of all parts, in their axes."""
-    of_face: list[Ints] = []
-    part_of: list[Ints] = []
-    colours: list[FaceColours] = []
-    borders: list[Floats] = []
-    numbers: list[Ints] = []
-    total = 0
-    for number, part in enumerate(parts):
-        welded = weld_keeping_faces(Surface(part.positions, part.faces))
-        colour = face_colours(part)
-        count, label = _in_file_order(edge_components(welded.faces)[1])
-        if colour.known:
-            count, label = _in_file_order(_divided(welded, label, count, colour))
-        borders.append(_border(welded))
-        colours.append(colour)
-        of_face.append((label + total).astype(np.int32))
-        part_of.append(np.full(count, number, dtype=np.int32))
-        numbers.append(np.arange(count, dtype=np.int32))
-        total += count
-    corners = np.concatenate([p.positions[p.faces] for p in parts])
-    piece = np.concatenate(of_face)
-    shapes = measure(corners, piece, total, np.concatenate(borders))
-    rgb, cut_out = _mean_colours(corners, piece, total, colours)
-    part_index = np.concatenate(part_of)
-    known = np.array([c.known for c in colours])[part_index]
-    return Pieces(part_index, np.concatenate(numbers), of_face, shapes, rgb, cut_out, known)
-
-
-def with_new_pieces(pieces: Pieces, parts: list[RawPart], part: int, faces: Ints) -> Pieces:
-    """The pieces with some faces of a part as one more piece, numbered after all others of its part."""
-    count = len(pieces)
-    of_face = list(pieces.of_face)
-    of_face[part] = of_face[part].copy()
-    old = int(of_face[part][faces[0]])
-    of_face[part][faces] = count
-    corners = np.concatenate([p.positions[p.faces] for p in parts])
-    borders = [_border(weld_keeping_faces(Surface(p.positions, p.faces))) for p in parts]
-    numbers = pieces.number[pieces.part == part]
-    return Pieces(
-        part=np.append(pieces.part, part).astype(np.int32),
-        number=np.append(pieces.number, numbers.max() + 1).astype(np.int32),
-        of_face=of_face,
-        shapes=measure(corners, np.concatenate(of_face), count + 1, np.concatenate(borders)),
-        rgb=np.vstack([pieces.rgb, pieces.rgb[old]]),
-        cut_out=np.append(pieces.cut_out, pieces.cut_out[old]),
-        coloured=np.append(pieces.coloured, pieces.coloured[old]),
-    )
-
-
-def _in_file_order(label: Ints) -> tuple[int, Ints]:
-    """Labels renumbered by their first face."""
-    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.argsort(np.argsort(first))
-    return len(first), rank[inverse.reshape(-1)].astype(np.int32)
-
-
-def _border(surface: Surface) -> Floats:
-    """Length (m,) of the sides of each face that belong to no other face."""
-    edges = directed_edges(surface.faces)
-    ordered = np.sort(edges, axis=1).astype(np.int64)
-    key = ordered[:, 0] * (len(surface.vertices) + 1) + ordered[:, 1]
-    _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
-    length = np.linalg.norm(surface.vertices[edges[:, 0]] - surface.vertices[edges[:, 1]], axis=1)
-    alone = np.where(count[inverse.reshape(-1)] == 1, length, 0.0)
-    return alone.reshape(3, -1).sum(axis=0)
-
-
-def _mean_colours(
-    corners: Floats, piece: Ints, count: int, colours: list[FaceColours]
-) -> tuple[Floats, Floats]:
-    size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    size = size + 1e-12 * max(float(size.max()), 1e-300)
-    total = np.bincount(piece, size, count)
-    rows = np.concatenate([np.column_stack([c.rgb, c.cut_out]) for c in colours])
-    means = np.stack([np.bincount(piece, size * rows[:, k], count) / total for k in range(4)], axis=1)
-    return means[:, :3], means[:, 3]
-
-
-def _divided(surface: Surface, label: Ints, count: int, colour: FaceColours) -> Ints:
+def divided(surface: Surface, label: Ints, count: int, colour: FaceColours) -> Ints:
     """Labels in which pieces of two clearly different, separate colours are divided, twice at most."""
     pairs = _adjacent(surface.faces)
     mark = np.zeros(len(label), dtype=bool)
@@ -143,7 +39,7 @@ def _divided(surface: Surface, label: Ints, count: int, colour: FaceColours) -> 
         pairs = pairs[np.argsort(label[pairs[:, 0]], kind="stable")]
         pair_bounds = np.searchsorted(label[pairs[:, 0]], np.arange(count + 1))
         result = label.copy()
-        for k in np.flatnonzero((sizes >= SPLIT_FACES) & (spread > SPLIT_DISTANCE * 0.15)):
+        for k in np.flatnonzero((sizes >= SPLIT_FACES) & (spread > SMOOTH_SPLIT_DISTANCE * 0.15)):
             faces = order[bounds[k] : bounds[k + 1]]
             second = _two_colours(seen[faces], area[faces])
             if second is None:
@@ -155,8 +51,29 @@ def _divided(surface: Surface, label: Ints, count: int, colour: FaceColours) -> 
             count += 1
         if count == len(sizes):
             break
-        label = result
+        label = _apart(result, pairs, area)
+        count = int(label.max()) + 1
     return label
+
+
+def _apart(label: Ints, pairs: Ints, area: Floats) -> Ints:
+    """Labels in which large regions of one label that do not touch are divided: a crown and the ground.
+
+    `pairs` (n, 2) are neighbouring faces. Small regions stay with the largest one of their label.
+    """
+    alike = pairs[label[pairs[:, 0]] == label[pairs[:, 1]]]
+    graph = coo_matrix((np.ones(len(alike)), (alike[:, 0], alike[:, 1])), shape=(len(label), len(label)))
+    regions, region = connected_components(graph, directed=False)
+    label_of = np.empty(regions, dtype=np.int64)
+    label_of[region] = label
+    size = np.bincount(region, area, regions)
+    whole = np.bincount(label_of, size)
+    order = np.lexsort((-size, label_of))
+    largest = np.zeros(len(whole), dtype=np.int64)
+    largest[label_of[order][::-1]] = order[::-1]
+    alone = size >= REGION_SHARE * whole[label_of]
+    target = np.where(alone, np.arange(regions), largest[label_of])
+    return np.unique(target[region], return_inverse=True)[1].reshape(-1).astype(np.int32)
 
 
 def _opponent(rgb: Floats) -> Floats:
@@ -178,7 +95,7 @@ def _smoothed(seen: Floats, pairs: Ints, size: Ints) -> Floats:
     rows, columns = np.concatenate([first, second]), np.concatenate([second, first])
     beside = coo_matrix((ones, (rows, columns)), shape=(len(seen), len(seen))).tocsr()
     degree = 1 + np.bincount(rows, minlength=len(seen))[:, None]
-    for _ in range(SMOOTHING_ROUNDS):
+    for _ in range(int(np.clip(size.max() // FACES_PER_ROUND, *SMOOTHING_ROUNDS))):
         seen = (seen + beside @ seen) / degree
     return seen
 
@@ -217,7 +134,9 @@ def _two_colours(seen: Floats, area: Floats) -> np.ndarray | None:
     distance = float(second_mean - first_mean)
     inside = along - np.where(second, second_mean, first_mean)
     spread = float(np.sqrt(np.average(inside**2, weights=area)))
-    return second if distance >= SPLIT_DISTANCE and spread <= SPLIT_SPREAD * distance else None
+    smooth = len(seen) >= SMOOTHED_FACES
+    least, most = (SMOOTH_SPLIT_DISTANCE, SMOOTH_SPLIT_SPREAD) if smooth else (SPLIT_DISTANCE, SPLIT_SPREAD)
+    return second if distance >= least and spread <= most * distance else None
 
 
 def _separate(sides: np.ndarray, share: float) -> bool:
