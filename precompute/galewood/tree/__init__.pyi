@@ -7,7 +7,9 @@ from .repair import unique_edges as unique_edges
 from .repair import volume as volume
 from .repair import weld_keeping_faces as weld_keeping_faces
 from .sandboxed import import_mesh_sandboxed as import_mesh_sandboxed
+from .sandboxed import pack_tree as pack_tree
 from .sandboxed import pieces_sandboxed as pieces_sandboxed
+from .sandboxed import unpack_tree as unpack_tree
 from .types import KINDS as KINDS
 from .types import RenderPrimitive as RenderPrimitive
 from .types import TreeMesh as TreeMesh
