@@ -2,8 +2,8 @@
 
 ``python -m galewood.sandbox.fork_server MODULE:FUNCTION`` loads the module and calls its ``warm_up``. Then it
 reads requests (a line of JSON: folder, memory_bytes, cpu_s) and answers each with the exit code of the fork
-that served it. It never reads what the forks are given: these confine themselves, as ``child.py`` does, before
-they open it.
+that served it. It never reads what the forks are given: these confine themselves, as ``child.py`` does,
+before they open it.
 """
 
 from __future__ import annotations

@@ -97,9 +97,12 @@ def run_child(target: str, folder: Path, limits: Limits) -> Ended:
     """Run a child of its own in its folder."""
     module = "galewood.sandbox.child"
     program = [sys.executable, "-m", module, target, str(limits.memory_bytes), str(limits.cpu_s)]
-    with (folder / STDERR_FILE).open("w+b") as errors:
-        with GuardedProcess(program, cwd=folder, environment=environment_in(folder), errors=errors) as child:
-            code = wait_limited(child.wait, child, folder, limits)
+    environment = environment_in(folder)
+    with (
+        (folder / STDERR_FILE).open("w+b") as errors,
+        GuardedProcess(program, cwd=folder, environment=environment, errors=errors) as child,
+    ):
+        code = wait_limited(child.wait, child, folder, limits)
     return code, end_of_stderr(folder)
 
 
@@ -121,10 +124,8 @@ def end_of_stderr(folder: Path) -> str:
         return errors.read(STDERR_BYTES).decode(errors="replace")
 
 
-def wait_limited(
-    wait: Callable[[float], int], child: GuardedProcess, folder: Path, limits: Limits
-) -> int:
-    """What `wait` returns, or TIMED_OUT or TOO_MUCH_WRITTEN; it raises TimeoutExpired after the given time."""
+def wait_limited(wait: Callable[[float], int], child: GuardedProcess, folder: Path, limits: Limits) -> int:
+    """What `wait` returns, which raises TimeoutExpired after its time; or TIMED_OUT, TOO_MUCH_WRITTEN."""
     end_s = time.monotonic() + limits.patience_s
     while (left_s := end_s - time.monotonic()) > 0:
         try:

@@ -45,7 +45,7 @@ class PreparedFunction:
     def _start(self) -> GuardedProcess:
         program = [sys.executable, "-m", "galewood.sandbox.fork_server", self._target]
         folder = Path(tempfile.gettempdir())
-        with open(2, "wb", closefd=False) as errors:  # noqa: PTH123  (the standard error of this process)
+        with open(2, "wb", closefd=False) as errors:
             return GuardedProcess(
                 program, cwd=folder, environment=environment_in(folder), errors=errors, conversing=True
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -43,6 +44,8 @@ from galewood_server.storage import (
 
 log = logging.getLogger("galewood.job")
 Build = Callable[..., BuildResult]
+YIELD_S = 0.5
+"""Time between two looks for trees that wait for their tables, s."""
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
 LOADED_EARLY = ("scipy.signal", "distributed")
@@ -112,6 +115,10 @@ class RunningBuild:
         self._loading: threading.Thread | None = None
         self._runner = DaskRunner(address, flag, self._reporter.set_samples, self._transfer)
         self._model: bytes | None = None
+        self._yielded_s = time.monotonic()
+        self._after_table = False
+        if job_lease.reached().part:
+            self._make_way()
 
     def run(self, build: Build) -> None:
         """Compute and store the table and its records."""
@@ -144,6 +151,16 @@ class RunningBuild:
             self._loading = threading.Thread(target=load_early, name="load-early", daemon=True)
             self._loading.start()
         self._reporter.report(progress.stage.value, progress.fraction, progress.message)
+        if self._after_table and time.monotonic() - self._yielded_s > YIELD_S:
+            self._yielded_s = time.monotonic()
+            self._job_lease.yield_to_others()
+
+    def _make_way(self) -> None:
+        """What follows a table is less urgent than all else, and waits for the tables of other trees."""
+        if not self._after_table:
+            self._after_table, self._yielded_s = True, -YIELD_S
+            self._runner.priority = RECORDS_PRIORITY
+            lower_priority()
 
     def _on_table(self, result: BuildResult) -> None:
         """Store the complete table; what follows, the paper's records and the bare table, is less urgent.
@@ -153,9 +170,7 @@ class RunningBuild:
         if self._model is None and self._runner.model:
             self._model = self._runner.model.read_bytes()
         publish_table(self._job_lease, self._stores, self._inputs, result, self._model)
-        if result.records is None:
-            self._runner.priority = RECORDS_PRIORITY
-            lower_priority()
+        self._make_way()
 
 
 def load_early() -> None:

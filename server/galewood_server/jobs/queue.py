@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from galewood.options import AFTER_BEAMS
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from galewood.options import AFTER_BEAMS
 from galewood_server.storage import ACTIVE_STATES, Job, JobKind, Tree, utc_now
 
 

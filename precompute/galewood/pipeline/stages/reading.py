@@ -1,4 +1,4 @@
-"""Reads an upload once: its tree for the build, and the table that moves it at once, from one sandboxed child.
+"""Reads an upload once: a sandboxed child makes its tree for the build, and the table that moves it at once.
 
 The caller stores the tree; a build, also one of another server or after a restart, goes on from there unless
 the file, its options or the importer have changed.
@@ -18,7 +18,7 @@ import numpy as np
 
 from galewood.options import ImportRequest
 from galewood.util import Array
-from galewood.versions import importer_version
+from galewood.versions import sources_hash
 
 if TYPE_CHECKING:  # the caller needs no mesh libraries, only the child does
     from galewood.tree import TreeMesh
@@ -75,7 +75,7 @@ def read_upload(
 
 def import_key(source_sha256: str, filename: str, options: ImportRequest) -> str:
     """Hash of everything that decides what a mesh file is read as."""
-    parts = [source_sha256, filename, _as_json(options), importer_version()]
+    parts = [source_sha256, filename, _as_json(options), sources_hash()]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
