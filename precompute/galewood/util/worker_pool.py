@@ -38,7 +38,7 @@ class WorkerPool:
     """
 
     def __init__(self, count: int | None = None, *, warm: Sequence[str] = ()) -> None:
-        """``count`` workers (default: one per usable core), each of which imports the modules ``warm`` first."""
+        """``count`` workers (default: one per usable core); each first imports the modules ``warm``."""
         self._count, self._warm = count or usable_cores(), tuple(warm)
         self._starting = threading.Lock()
         self._pool: ProcessPoolExecutor | None = None

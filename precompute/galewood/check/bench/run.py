@@ -12,6 +12,7 @@ import numpy as np
 from galewood.check.bench.fem import bench_fem
 from galewood.check.bench.samples import bench_samples, prepared
 from galewood.check.bench.tables import OnProgress, bench_build, bench_forest, bench_search
+from galewood.check.bench.waiting import bench_upload
 from galewood.check.bench.wind import bench_wind
 from galewood.pipeline.tables import BuildOptions
 from galewood.table import decode
@@ -21,6 +22,7 @@ __all__ = ["PARTS", "chosen_parts", "run_bench"]
 PARTS = {
     "fem": "a finite-element step, and the same step with other sparse direct solvers",
     "samples": "the 6,480 samples of a table with the fast and with the reference elements",
+    "upload": "reading an upload and its first motion, in times of trimesh reading the same file",
     "build": "a build by stage: wall and CPU seconds, memory; the table's size",
     "lookup": "the paper's state search with 35 and with 435 sampled elements",
     "modal": "a step of 10,000 trees with the modal model and with the paper's state search",
@@ -49,6 +51,10 @@ class Bench:
         return bench_samples(
             self._mesh, self._options, self._cache_dir, quick=self._quick, on_progress=on_progress
         )
+
+    def upload(self, on_progress: OnProgress) -> Any:
+        on_progress(0.0, "Reading the mesh")
+        return bench_upload(self._mesh)
 
     def build(self, on_progress: OnProgress) -> Any:
         # In an empty folder, so that no stage is skipped because of cached results.
