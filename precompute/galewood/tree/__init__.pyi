@@ -1,3 +1,5 @@
+from .importer import read_tree as read_tree
+from .importer import render_glb as render_glb
 from .missing.arms import arms_of as arms_of
 from .repair import Surface as Surface
 from .repair import compact as compact

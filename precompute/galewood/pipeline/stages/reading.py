@@ -100,9 +100,8 @@ def _json_array(value: Any) -> Array:
 
 def read_in_child(arguments: Arrays) -> Arrays:
     """The part of ``read_upload`` that runs in the child."""
-    from galewood.pipeline.tables.expected import with_expected_motion
-    from galewood.tree.importer import read_tree, render_glb
-    from galewood.tree.sandboxed import pack_tree
+    from galewood.pipeline.tables import with_expected_motion
+    from galewood.tree import pack_tree, read_tree, render_glb
 
     request = json.loads(arguments["request"].tobytes())
     options = ImportRequest.model_validate(request["options"])
