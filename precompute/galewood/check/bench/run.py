@@ -16,6 +16,7 @@ from galewood.check.bench.waiting import bench_upload
 from galewood.check.bench.wind import bench_wind
 from galewood.pipeline.tables import BuildOptions
 from galewood.table import decode
+from galewood.wood import SPECIES
 
 __all__ = ["PARTS", "chosen_parts", "run_bench"]
 
@@ -37,7 +38,8 @@ class Bench:
 
     def __init__(self, mesh: Path, cache_dir: Path, *, quick: bool, table: Path | None) -> None:
         self._mesh, self._cache_dir, self._quick = mesh, cache_dir, quick
-        self._options = BuildOptions(species=mesh.stem, height_m=12.0)
+        species = mesh.stem if mesh.stem in SPECIES else None
+        self._options = BuildOptions(species=species, height_m=12.0, accept=True)
         self._table = table.read_bytes() if table else None
 
     def fem(self, on_progress: OnProgress) -> Any:

@@ -21,7 +21,7 @@ from galewood.sandbox import Limits, PreparedFunction
 from galewood.solid.fem import FemModel, Simulator
 from galewood.util import cpu_seconds
 
-REPEATS = 3
+REPEAT_COUNT = 3
 SOLVED_STEPS = 30
 PRESSURE_PA = np.array([30.0, 10.0])
 SMALL_LIMITS = Limits()
@@ -63,7 +63,7 @@ def _read_with_trimesh(mesh: Path) -> None:
 def _best(work: Callable[[], None]) -> float:
     """Fewest CPU seconds of this process and its children, of several calls."""
     spent: list[float] = []
-    for _ in range(REPEATS):
+    for _ in range(REPEAT_COUNT):
         begun = cpu_seconds()
         work()
         spent.append(cpu_seconds() - begun)

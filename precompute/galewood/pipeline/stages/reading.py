@@ -27,7 +27,8 @@ log = logging.getLogger("galewood.import")
 Arrays = dict[str, Array]
 READ_IN_CHILD = "galewood.pipeline.stages.reading:read_in_child"
 """The function to run in a sandboxed child."""
-KEY, GLB, BEAMS, HEAD = "key", "glb", "beams", "head"
+KEY_ARRAY, GLB_ARRAY, BEAMS_ARRAY, HEAD_ARRAY = "key", "glb", "beams", "head"
+"""Names of arrays beside those of the tree; the last one is among these."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,11 @@ def read_upload(
     """
     request = {"filename": filename, "options": _as_json(options), "moving": moving}
     result = run({"data": np.frombuffer(data, np.uint8), "request": _json_array(request)})
-    render_glb, beams = result.pop(GLB).tobytes(), result.pop(BEAMS, None)
-    head = json.loads(result[HEAD].tobytes())
+    render_glb, beams = result.pop(GLB_ARRAY).tobytes(), result.pop(BEAMS_ARRAY, None)
+    head = json.loads(result[HEAD_ARRAY].tobytes())
     key = import_key(hashlib.sha256(data).hexdigest(), filename, options)
     tree = io.BytesIO()
-    np.savez(tree, allow_pickle=False, **{**result, KEY: _json_array(key)})
+    np.savez(tree, allow_pickle=False, **{**result, KEY_ARRAY: _json_array(key)})
     return ReadUpload(
         head["species"],
         head["height_m"],
@@ -82,7 +83,7 @@ def import_key(source_sha256: str, filename: str, options: ImportRequest) -> str
 def kept_tree(tree: bytes, key: str) -> TreeMesh | None:
     """The tree of a file that ``read_upload`` made; None if it has another ``import_key``."""
     with np.load(io.BytesIO(tree), allow_pickle=False) as file:
-        if json.loads(file[KEY].tobytes()) != key:
+        if json.loads(file[KEY_ARRAY].tobytes()) != key:
             return None
         from galewood.tree import unpack_tree  # loads the mesh libraries
 
@@ -110,8 +111,8 @@ def read_in_child(arguments: Arrays) -> Arrays:
     beams = _beams(tree, options, glb) if request["moving"] else None
     return {
         **pack_tree(with_expected_motion(tree)),
-        GLB: np.frombuffer(glb, np.uint8),
-        **({} if beams is None else {BEAMS: np.frombuffer(beams, np.uint8)}),
+        GLB_ARRAY: np.frombuffer(glb, np.uint8),
+        **({} if beams is None else {BEAMS_ARRAY: np.frombuffer(beams, np.uint8)}),
     }
 
 
