@@ -71,7 +71,10 @@ def _write_no_kernels() -> None:
     """Let numba keep kernels that it compiles here in memory: a confined process cannot write its cache."""
     caching = sys.modules.get("numba.core.caching")
     if caching:
-        caching.Cache.save_overload = lambda *_: None
+        caching.Cache.save_overload = _discard
+
+
+def _discard(*_: object) -> None: ...
 
 
 if __name__ == "__main__":

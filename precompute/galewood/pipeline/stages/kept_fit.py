@@ -7,6 +7,7 @@ import json
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -45,9 +46,9 @@ def kept_fit(path: Path) -> KeptFit | None:
     """The fit that was kept; None: there is none, or it is damaged."""
     try:
         with np.load(path, allow_pickle=False) as file:
-            arrays = {field.name: file[field.name] for field in fields(Subspace)}
+            arrays = [file[field.name] for field in fields(Subspace)]
             table = file["table"].tobytes()
-        whole = {name: array if array.ndim else float(array) for name, array in arrays.items()}
-        return KeptFit(DefaultPart(decode(table), Subspace(**whole)), table)
+        subspace: list[Any] = [array if array.ndim else float(array) for array in arrays]
+        return KeptFit(DefaultPart(decode(table), Subspace(*subspace)), table)
     except (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile, TableError):
         return None
