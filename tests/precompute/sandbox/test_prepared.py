@@ -48,7 +48,7 @@ def ask(function: PreparedFunction, what: str, limits: Limits | None = None) -> 
 
 @pytest.fixture(scope="module")
 def function() -> Iterator[PreparedFunction]:
-    function = PreparedFunction(f"{HERE}:act")
+    function = PreparedFunction(f"{HERE}:{act.__name__}")
     function.prepare()
     yield function
     function.close()
