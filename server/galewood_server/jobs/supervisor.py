@@ -167,7 +167,7 @@ class Supervisor:
         while self._running_count(queue) < limits[queue]:
             claim = await asyncio.to_thread(self._claim, queue)
             if claim is None:
-                return
+                break
             self._running[claim] = asyncio.create_task(self._run_claim(claim))
         if queue == "builds" and self._running_count(queue) == 0:
             await self._start_after_tables(limits[queue])
