@@ -9,6 +9,7 @@ from galewood.options.evaluation import (
     EvaluationOptions,
     EvaluationSeed,
 )
+from galewood.options.first_table import AFTER_BEAMS
 from galewood.options.method import METHOD_HELP, METHOD_NAMES, Method
 from galewood.options.request import (
     MAX_HEIGHT_M,
@@ -25,6 +26,7 @@ from galewood.options.request import (
 )
 
 __all__ = [
+    "AFTER_BEAMS",
     "EVALUATION_FRAMES",
     "EVALUATION_PEAK_RATIO",
     "EVALUATION_SEED",

@@ -2,6 +2,7 @@
 
 from galewood.sandbox.confinement import unavailable_restrictions
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
+from galewood.sandbox.prepared import PreparedFunction
 from galewood.sandbox.results import remove_folder
 
-__all__ = ["Arrays", "Limits", "remove_folder", "run_limited", "unavailable_restrictions"]
+__all__ = ["Arrays", "Limits", "PreparedFunction", "remove_folder", "run_limited", "unavailable_restrictions"]

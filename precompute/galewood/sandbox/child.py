@@ -11,7 +11,7 @@ import os
 import resource
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -30,13 +30,24 @@ NEW_THREADS = 256
 
 def main(target: str, memory_bytes: int, cpu_s: int) -> int:
     """Set the resource limits and run ``target`` ("module:function"); returns the exit code."""
-    _limit_resources(memory_bytes, cpu_s)
+    limit_resources(memory_bytes, cpu_s)
     try:
         kernels = _private_kernel_cache(Path.cwd())
         module, _, name = target.partition(":")
         function: Callable[[Arrays], Arrays] = getattr(import_module(module), name)
+    except MemoryError:
+        return OUT_OF_MEMORY
+    return run_confined(function, kernels)
+
+
+def run_confined(function: Callable[[Arrays], Arrays], readable: Sequence[str]) -> int:
+    """Confine this process to its current folder and call a function there; returns the exit code.
+
+    ``readable`` lists folders that it may also read.
+    """
+    try:
         os.environ["TMPDIR"] = tempfile.tempdir = str(Path.cwd())
-        confine(Path.cwd(), readable=kernels)
+        confine(Path.cwd(), readable=readable)
         with np.load("in.npz", allow_pickle=False) as data:
             result = function({key: data[key] for key in data.files})
         np.savez("out.npz", allow_pickle=False, **result)
@@ -49,7 +60,7 @@ def main(target: str, memory_bytes: int, cpu_s: int) -> int:
     return 0
 
 
-def _limit_resources(memory_bytes: int, cpu_s: int) -> None:
+def limit_resources(memory_bytes: int, cpu_s: int) -> None:
     """Set limits that count for all that the child does, as it cannot start processes."""
     _lower(resource.RLIMIT_AS, memory_bytes)
     _lower(resource.RLIMIT_CPU, cpu_s, cpu_s + 5)

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,7 @@ import numpy as np
 from galewood.sandbox.results import (
     Arrays,
     UntrustworthyError,
+    open_untrusted,
     read_arrays,
     read_error,
     remove_folder,
@@ -36,6 +38,7 @@ OUT_OF_MEMORY = 4
 TIMED_OUT, TOO_MUCH_WRITTEN = -signal.SIGALRM, -signal.SIGXFSZ
 FOLDER_CHECK_S = 1.0
 """Time between two looks at the size of what the child has written, s."""
+STDERR_FILE = "stderr"
 STDERR_BYTES = 4000
 """How much of the end of the child's standard error is searched for the cause of its end."""
 WALL_S_PER_CPU_S = 10.0  # a child gets at least a tenth of a processor on any machine that is of use
@@ -66,10 +69,19 @@ def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) ->
     Raises the MeshError that the function raised, or a MeshError that says that the child exceeded a limit,
     was killed or crashed; `what` names the work in that message.
     """
+    return in_folder(lambda folder: run_child(target, folder, limits), arguments, limits, what)
+
+
+Ended = tuple[int, str]
+"""Exit code of a child, and the end of what it wrote to standard error."""
+
+
+def in_folder(run: Callable[[Path], Ended], arguments: Arrays, limits: Limits, what: str) -> Arrays:
+    """The result of a child that `run` runs in a new folder with these arguments; as `run_limited`."""
     folder = Path(tempfile.mkdtemp(prefix="galewood-"))
     try:
         np.savez(folder / "in.npz", allow_pickle=False, **arguments)
-        code, stderr = _run(target, folder, limits)
+        code, stderr = run(folder)
         if code == 0:
             return read_arrays(folder / "out.npz", limits.folder_bytes)
         if code == REFUSED_EXIT_CODE:
@@ -81,30 +93,43 @@ def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) ->
         remove_folder(folder)
 
 
-def _run(target: str, folder: Path, limits: Limits) -> tuple[int, str]:
-    """Run the child in its folder; returns its exit code and the end of what it wrote to standard error."""
+def run_child(target: str, folder: Path, limits: Limits) -> Ended:
+    """Run a child of its own in its folder."""
+    module = "galewood.sandbox.child"
+    program = [sys.executable, "-m", module, target, str(limits.memory_bytes), str(limits.cpu_s)]
+    environment = environment_in(folder)
+    with (
+        (folder / STDERR_FILE).open("w+b") as errors,
+        GuardedProcess(program, cwd=folder, environment=environment, errors=errors) as child,
+    ):
+        code = wait_limited(child.wait, child, folder, limits)
+    return code, end_of_stderr(folder)
+
+
+def environment_in(folder: Path) -> dict[str, str]:
+    """The environment variables of a child whose home is a folder."""
     environment = {k: os.environ[k] for k in KEPT_ENVIRONMENT if k in os.environ}
     environment |= dict.fromkeys(THREAD_COUNT_VARIABLES, "1")
-    environment |= {
+    return environment | {
         "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
         "HOME": str(folder),
         "PYTHONDONTWRITEBYTECODE": "1",
     }
-    module = "galewood.sandbox.child"
-    program = [sys.executable, "-m", module, target, str(limits.memory_bytes), str(limits.cpu_s)]
-    with (folder / "stderr").open("w+b") as errors:
-        with GuardedProcess(program, cwd=folder, environment=environment, errors=errors) as child:
-            code = _wait(child, folder, limits)
+
+
+def end_of_stderr(folder: Path) -> str:
+    """The end of what a child in this folder wrote to standard error."""
+    with open_untrusted(folder / STDERR_FILE) as errors:
         errors.seek(max(errors.seek(0, os.SEEK_END) - STDERR_BYTES, 0))
-        return code, errors.read(STDERR_BYTES).decode(errors="replace")
+        return errors.read(STDERR_BYTES).decode(errors="replace")
 
 
-def _wait(child: GuardedProcess, folder: Path, limits: Limits) -> int:
-    """The exit code of the child, or TIMED_OUT or TOO_MUCH_WRITTEN."""
+def wait_limited(wait: Callable[[float], int], child: GuardedProcess, folder: Path, limits: Limits) -> int:
+    """What `wait` returns, which raises TimeoutExpired after its time; or TIMED_OUT, TOO_MUCH_WRITTEN."""
     end_s = time.monotonic() + limits.patience_s
     while (left_s := end_s - time.monotonic()) > 0:
         try:
-            return child.wait(min(FOLDER_CHECK_S, left_s))
+            return wait(min(FOLDER_CHECK_S, left_s))
         except subprocess.TimeoutExpired:
             if written_bytes(folder) + child.unlinked_bytes() > limits.folder_bytes:
                 return TOO_MUCH_WRITTEN

@@ -32,7 +32,8 @@ class UntrustworthyError(Exception):
 
 
 @contextmanager
-def _opened(path: Path) -> Generator[IO[bytes]]:
+def open_untrusted(path: Path) -> Generator[IO[bytes]]:
+    """Open a file that a child has written. UntrustworthyError if it is none."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError as error:
@@ -45,7 +46,7 @@ def _opened(path: Path) -> Generator[IO[bytes]]:
 
 def read_arrays(path: Path, limit_bytes: int) -> Arrays:
     """The arrays of an uncompressed .npz file without pickles. UntrustworthyError."""
-    with _opened(path) as file:
+    with open_untrusted(path) as file:
         try:
             with zipfile.ZipFile(file) as archive:
                 members = archive.infolist()
@@ -67,7 +68,7 @@ def read_arrays(path: Path, limit_bytes: int) -> Arrays:
 
 def read_error(path: Path) -> MeshError:
     """The MeshError that a child describes in a JSON file. UntrustworthyError."""
-    with _opened(path) as file:
+    with open_untrusted(path) as file:
         try:
             given = json.loads(file.read(ERROR_BYTES))
         except (ValueError, RecursionError) as error:

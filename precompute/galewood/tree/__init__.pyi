@@ -1,3 +1,5 @@
+from .importer import read_tree as read_tree
+from .importer import render_glb as render_glb
 from .missing.arms import arms_of as arms_of
 from .repair import Surface as Surface
 from .repair import compact as compact
@@ -7,7 +9,9 @@ from .repair import unique_edges as unique_edges
 from .repair import volume as volume
 from .repair import weld_keeping_faces as weld_keeping_faces
 from .sandboxed import import_mesh_sandboxed as import_mesh_sandboxed
+from .sandboxed import pack_tree as pack_tree
 from .sandboxed import pieces_sandboxed as pieces_sandboxed
+from .sandboxed import unpack_tree as unpack_tree
 from .types import KINDS as KINDS
 from .types import RenderPrimitive as RenderPrimitive
 from .types import TreeMesh as TreeMesh

@@ -6,6 +6,7 @@ This is the one way in which the library and the service start programs; see gua
 from __future__ import annotations
 
 import os
+import select
 import stat
 import subprocess
 import sys
@@ -65,16 +66,25 @@ class GuardedProcess:
     _lock: ClassVar[threading.Lock] = threading.Lock()
 
     def __init__(
-        self, program: Sequence[str], *, cwd: Path, environment: Mapping[str, str], errors: IO[bytes]
+        self,
+        program: Sequence[str],
+        *,
+        cwd: Path,
+        environment: Mapping[str, str],
+        errors: IO[bytes],
+        conversing: bool = False,
     ) -> None:
-        """Start a program in a new session, without input; standard error goes to a file."""
+        """Start a program in a new session; standard error goes to a file.
+
+        Its standard input and output are pipes if it is ``conversing``; otherwise it has neither.
+        """
         self._broken_off = False
         self._lifeline = Lifeline()
+        ends = subprocess.PIPE if conversing else subprocess.DEVNULL
         try:
             self._guard = subprocess.Popen(
-                self._lifeline.command(program), cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True,
-                pass_fds=(self._lifeline.read_end,),
+                self._lifeline.command(program), cwd=cwd, env=environment, stdin=ends, stdout=ends,
+                stderr=errors, start_new_session=True, pass_fds=(self._lifeline.read_end,), bufsize=0,
             )  # fmt: skip
         except BaseException:
             self._lifeline.close()
@@ -82,6 +92,21 @@ class GuardedProcess:
         self._lifeline.started()
         with self._lock:
             self._running.add(self)
+
+    def send_line(self, text: str) -> None:
+        """Send a line to a conversing program. BrokenPipeError if it has ended."""
+        assert self._guard.stdin
+        self._guard.stdin.write(text.encode() + b"\n")
+
+    def read_line(self, timeout_s: float) -> str:
+        """The next line of a conversing program, which is short and written as a whole; empty: it has ended.
+
+        subprocess.TimeoutExpired.
+        """
+        assert self._guard.stdout
+        if not select.select([self._guard.stdout], [], [], timeout_s)[0]:
+            raise subprocess.TimeoutExpired(self._guard.args, timeout_s)
+        return self._guard.stdout.readline().decode()
 
     def wait(self, timeout_s: float) -> int:
         """The exit code, or minus the number of the signal that ended it.
@@ -105,9 +130,10 @@ class GuardedProcess:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._close()
+        self.close()
 
-    def _close(self) -> None:
+    def close(self) -> None:
+        """End the program and its descendants; afterwards none of them is left."""
         with self._lock:
             self._lifeline.close()
             self._running.discard(self)
@@ -116,6 +142,9 @@ class GuardedProcess:
         except subprocess.TimeoutExpired:
             self._guard.kill()
             self._guard.wait()
+        for end in (self._guard.stdin, self._guard.stdout):
+            if end:
+                end.close()
 
     @classmethod
     def end_all(cls) -> None:
@@ -124,7 +153,7 @@ class GuardedProcess:
             running = list(cls._running)
         for one in running:
             one._broken_off = True
-            one._close()
+            one.close()
 
 
 def _unlinked_bytes(pid: int) -> int:

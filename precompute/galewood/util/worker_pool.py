@@ -17,7 +17,10 @@ from concurrent.futures import Future
 from importlib import import_module
 from multiprocessing.connection import Connection
 from types import TracebackType
-from typing import ParamSpec, Self, TypeVar
+from typing import TYPE_CHECKING, ParamSpec, Self, TypeVar
+
+if TYPE_CHECKING:
+    from loky import ProcessPoolExecutor
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -28,34 +31,42 @@ WORKER_ENVIRONMENT = {"LOKY_MAX_MEMORY_LEAK_SIZE": str(1 << 50)}
 
 
 class WorkerPool:
-    """A fixed number of worker processes, started immediately.
+    """A fixed number of worker processes, started with the first call.
 
     Leaving the ``with`` block cancels what has not begun, waits for running tasks and shuts the workers down;
     after an exception, running tasks are aborted.
     """
 
     def __init__(self, count: int | None = None, *, warm: Sequence[str] = ()) -> None:
-        """Start ``count`` workers (default: one per usable core); ``warm`` names modules that each one
-        imports.
-        """
-        # loaded here, because many programs that import this package need no pool
-        from loky import ProcessPoolExecutor
-        from loky.backend import get_context
-
-        context, count = get_context("loky"), count or usable_cores()
-        end, self._lifeline = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(
-            count, context=context, initializer=_initialise, initargs=(end,), env=WORKER_ENVIRONMENT
-        )
+        """``count`` workers (default: one per usable core); each first imports the modules ``warm``."""
+        self._count, self._warm = count or usable_cores(), tuple(warm)
+        self._starting = threading.Lock()
+        self._pool: ProcessPoolExecutor | None = None
+        self._lifeline: Connection | None = None
         self._futures: list[Future[object]] = []
-        for _ in range(count if warm else 0):
-            self.start(_warm_up, tuple(warm))
+
+    def _started(self) -> ProcessPoolExecutor:
+        with self._starting:
+            if self._pool is None:
+                # loaded here, because many programs that import this package need no pool
+                from loky import ProcessPoolExecutor
+                from loky.backend import get_context
+
+                context = get_context("loky")
+                end, self._lifeline = context.Pipe(duplex=False)
+                self._pool = ProcessPoolExecutor(
+                    self._count, context=context, initializer=_initialise, initargs=(end,),
+                    env=WORKER_ENVIRONMENT,
+                )  # fmt: skip
+                for _ in range(self._count if self._warm else 0):
+                    self._pool.submit(_warm_up, self._warm)
+            return self._pool
 
     def start(
         self, work: Callable[Arguments, Result], *args: Arguments.args, **kwargs: Arguments.kwargs
     ) -> Future[Result]:
         """Queue a call of a function in a worker and return its future."""
-        future: Future[Result] = self._pool.submit(work, *args, **kwargs)
+        future: Future[Result] = self._started().submit(work, *args, **kwargs)
         self._futures = [one for one in self._futures if not one.done()]
         self._futures.append(future)  # pyright: ignore[reportArgumentType]  # only cancelled
         return future
@@ -68,6 +79,8 @@ class WorkerPool:
     ) -> None:
         for future in self._futures:
             future.cancel()
+        if self._pool is None or self._lifeline is None:
+            return
         if kind is not None:
             self._lifeline.close()
         self._pool.shutdown(wait=True, kill_workers=kind is not None)

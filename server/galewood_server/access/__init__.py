@@ -1,6 +1,6 @@
 """Access control: keys, origins, rate and connection limits, quotas, limits on mesh import."""
 
-from galewood_server.access.import_limits import MeshImporter, limited_importer
+from galewood_server.access.import_limits import LimitedImporter, MeshImporter
 from galewood_server.access.keys import READ_ONLY_POSTS, WRITE_METHODS, new_key
 from galewood_server.access.middleware import AccessControl
 from galewood_server.access.open_connections import OpenConnections, count_open, limited_by_descriptors
@@ -14,6 +14,7 @@ __all__ = [
     "WRITE_METHODS",
     "AccessControl",
     "FilesOnDemand",
+    "LimitedImporter",
     "MeshImporter",
     "OpenConnections",
     "Turns",
@@ -22,7 +23,6 @@ __all__ = [
     "count_stored",
     "is_loopback",
     "limited_by_descriptors",
-    "limited_importer",
     "new_key",
     "rate_limit_key",
     "stored_bytes",

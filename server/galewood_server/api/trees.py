@@ -54,6 +54,7 @@ ORDER_COLUMNS = (case((Tree.builtin, 0), else_=1), Tree.created_at, Tree.id)
 COUNT_QUERY = select(func.count(Tree.id))
 LIST_QUERY = paged(tree_rows().order_by(*ORDER_COLUMNS))
 ONE_QUERY = tree_rows(Tree.report).where(Tree.id == bindparam("id"))
+TABLE_COLUMNS = (Tree.table_sha256, Tree.bare_table_sha256, Tree.beams_sha256)
 KEPT_ROWS, KEPT_REPORTS = 4096, 16
 DELETE_IT = "Delete it (DELETE /api/trees/{id}), which also deletes its jobs, then upload its file again."
 
@@ -164,12 +165,13 @@ def delete_tree(tree_id: str, service: ServiceDep) -> Response:
 
 
 def _remove_files(session: Session, service: Service, files: dict[str, str]) -> None:
-    tables = (Tree.table_sha256, Tree.bare_table_sha256)
     for store, name, columns in (
         (service.stores.sources, "source_sha256", (Tree.source_sha256,)),
         (service.stores.meshes, "mesh_sha256", (Tree.mesh_sha256,)),
-        (service.stores.tables, "table_sha256", tables),
-        (service.stores.tables, "bare_table_sha256", tables),
+        (service.stores.imports, "import_sha256", (Tree.import_sha256,)),
+        (service.stores.tables, "beams_sha256", TABLE_COLUMNS),
+        (service.stores.tables, "table_sha256", TABLE_COLUMNS),
+        (service.stores.tables, "bare_table_sha256", TABLE_COLUMNS),
         (service.stores.records, "records_sha256", (Tree.records_sha256,)),
         (service.stores.compliances, "compliance_sha256", (Tree.compliance_sha256,)),
     ):

@@ -18,7 +18,7 @@ import uvicorn
 from fastapi import FastAPI
 from galewood.util import GuardedProcess
 
-from galewood_server.access import AccessControl, MeshImporter, OpenConnections, Turns, limited_importer
+from galewood_server.access import AccessControl, LimitedImporter, MeshImporter, OpenConnections, Turns
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
 from galewood_server.app import builtin_trees, docs_page, startup_warnings
 from galewood_server.app.compression import CompressedJson
@@ -63,7 +63,8 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         stack.enter_context(await asyncio.to_thread(_lock, settings.data_dir))
         stack.enter_context(temporary_files_in(settings.temporary_dir))
         await asyncio.to_thread(migrate, settings.database)
-        app.state.service = service = _service(settings, importer or limited_importer(settings))
+        limited = LimitedImporter(settings)
+        app.state.service = service = _service(settings, importer or limited)
         app.state.feed = ChangeFeed(service)
         app.state.metrics.registry.register(ServiceCollector(service))
         await asyncio.to_thread(builtin_trees.register, service)
@@ -74,7 +75,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             asyncio.create_task(work)
             for work in (
                 Supervisor(service).run(),
-                compile_kernels(settings),
+                _prepare(settings, None if importer else limited),
                 app.state.feed.run(),
                 service.owners.run(),
                 builtin_trees.queue_outdated_uploads(service),
@@ -88,6 +89,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
             await _end_threads(settings.shutdown_s)
+            limited.close()
             stack.close()
 
     app = FastAPI(
@@ -117,6 +119,13 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
     allow_cross_origin(app, settings.allowed_origins)
     app.add_middleware(Tracing, metrics=metrics)
     return app
+
+
+async def _prepare(settings: Settings, importer: LimitedImporter | None) -> None:
+    """Compile the kernels, if they are not, and load what the first upload needs."""
+    await compile_kernels(settings)
+    if importer:
+        await asyncio.to_thread(importer.prepare)
 
 
 async def _end_threads(patience_s: float) -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 import threading
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
+from zipfile import BadZipFile
 
 from galewood.constants import RECORDS_STAGE, STAGES_AFTER_TABLE
 from galewood.pipeline.results import BuildResult
-from galewood.pipeline.stages import Progress, Stage
+from galewood.pipeline.stages import ImportedTree, Progress, Stage, import_key, kept_tree
 from galewood.pipeline.tables import BuildOptions
 from galewood.util import kernels_compiled
 from sqlalchemy.orm import Session
@@ -27,6 +30,7 @@ from galewood_server.settings import Settings
 from galewood_server.storage import (
     FILE_COLUMNS,
     FOLLOWING_COLUMNS,
+    IMPORT_COLUMNS,
     Job,
     Sessions,
     Stores,
@@ -38,7 +42,10 @@ from galewood_server.storage import (
     utc_now,
 )
 
+log = logging.getLogger("galewood.job")
 Build = Callable[..., BuildResult]
+YIELD_S = 0.5
+"""Time between two looks for trees that wait for their tables, s."""
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
 LOADED_EARLY = ("scipy.signal", "distributed")
@@ -50,7 +57,8 @@ class BuildInputs:
     """The inputs of a build, read when the job starts."""
 
     tree_id: str
-    source: bytes
+    source: bytes | ImportedTree
+    """The file, or what an import of it has left."""
     filename: str
     options: BuildOptions
     fingerprint: str
@@ -64,13 +72,31 @@ def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildI
     with sessions() as session:
         job = session.get_one(Job, job_id)
         tree = job.tree
+        options = BuildOptions.model_validate({"bare_table": tree.builtin, **tree.options, **job.settings})
+        source = imported_tree(stores, tree, options)
         return BuildInputs(
             tree_id=tree.id,
-            source=stored_bytes(stores, "sources", tree.source_sha256, tree.filename),
+            source=source or stored_bytes(stores, "sources", tree.source_sha256, tree.filename),
             filename=tree.filename,
-            options=BuildOptions.model_validate({"bare_table": tree.builtin, **tree.options, **job.settings}),
+            options=options,
             fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
         )
+
+
+def imported_tree(stores: Stores, tree: Tree, options: BuildOptions) -> ImportedTree | None:
+    """What the import of a tree has left; None if it is lost, or was made with other options or by another
+    version: the file is then read again.
+    """
+    if not tree.import_sha256 or not tree.mesh_sha256:
+        return None
+    key = import_key(tree.source_sha256, tree.filename, options)
+    try:
+        found = kept_tree(stores.imports.get(tree.import_sha256), key)
+        render_glb = stores.meshes.get(tree.mesh_sha256)
+    except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
+        log.warning("reading %s again: %s", tree.filename, error)
+        return None
+    return ImportedTree(found, render_glb, moving=tree.table_sha256 is not None) if found else None
 
 
 class RunningBuild:
@@ -89,6 +115,10 @@ class RunningBuild:
         self._loading: threading.Thread | None = None
         self._runner = DaskRunner(address, flag, self._reporter.set_samples, self._transfer)
         self._model: bytes | None = None
+        self._yielded_s = time.monotonic()
+        self._after_table = False
+        if job_lease.reached().part:
+            self._make_way()
 
     def run(self, build: Build) -> None:
         """Compute and store the table and its records."""
@@ -121,6 +151,16 @@ class RunningBuild:
             self._loading = threading.Thread(target=load_early, name="load-early", daemon=True)
             self._loading.start()
         self._reporter.report(progress.stage.value, progress.fraction, progress.message)
+        if self._after_table and time.monotonic() - self._yielded_s > YIELD_S:
+            self._yielded_s = time.monotonic()
+            self._job_lease.yield_to_others()
+
+    def _make_way(self) -> None:
+        """What follows a table is less urgent than all else, and waits for the tables of other trees."""
+        if not self._after_table:
+            self._after_table, self._yielded_s = True, -YIELD_S
+            self._runner.priority = RECORDS_PRIORITY
+            lower_priority()
 
     def _on_table(self, result: BuildResult) -> None:
         """Store the complete table; what follows, the paper's records and the bare table, is less urgent.
@@ -130,9 +170,7 @@ class RunningBuild:
         if self._model is None and self._runner.model:
             self._model = self._runner.model.read_bytes()
         publish_table(self._job_lease, self._stores, self._inputs, result, self._model)
-        if result.records is None:
-            self._runner.priority = RECORDS_PRIORITY
-            lower_priority()
+        self._make_way()
 
 
 def load_early() -> None:
@@ -176,7 +214,8 @@ def publish_result(
     done: dict[str, Any] = {"stage": Stage.DONE.value, "fraction": 1.0}
     with job_lease.sessions.begin() as session:
         if end_job(session, job_lease.job_id, "done", message="Done", lease=job_lease.lease, **done):
-            _set_table(session, stores, inputs, files, result)
+            tree = _set_table(session, stores, inputs, files, result)
+            replace_files(session, tree, dict.fromkeys(IMPORT_COLUMNS))
 
 
 def _put(stores: Stores, result: BuildResult, model: bytes | None) -> dict[str, bytes]:
@@ -189,7 +228,7 @@ def _put(stores: Stores, result: BuildResult, model: bytes | None) -> dict[str, 
 
 def _set_table(
     session: Session, stores: Stores, inputs: BuildInputs, files: Mapping[str, bytes], result: BuildResult
-) -> None:
+) -> Tree:
     """Reference the files of a result by its tree, which keeps what belongs to an unchanged table."""
     tree = session.get_one(Tree, inputs.tree_id)
     hashes = {
@@ -200,3 +239,4 @@ def _set_table(
     replace_files(session, tree, {**no_table(), **kept, **hashes})
     tree.preliminary, tree.report = False, result.report
     tree.fingerprint, tree.updated_at = inputs.fingerprint, utc_now()
+    return tree

@@ -16,7 +16,7 @@ from galewood.util import Cancelled, MeshError
 
 from galewood_server.jobs.build_job import Build, run_build
 from galewood_server.jobs.cluster.dask_cluster import EngineLostError
-from galewood_server.jobs.progress import JobFailedError, JobLease
+from galewood_server.jobs.progress import JobFailedError, JobLease, Yielded
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Sessions, Stores, open_database
 
@@ -38,6 +38,8 @@ def run_job(
         _work(job_lease, address, settings, build, analysis)
     except Cancelled:
         job_lease.end("cancelled", "Cancelled")
+    except Yielded:
+        job_lease.put_back()
     except EngineLostError:
         log.warning("job %s lost the connection to its cluster", job_id)
         sys.exit(EXIT_TRY_AGAIN)

@@ -12,7 +12,8 @@ from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import ColumnElement, and_, or_, select, update
+from galewood.constants import STAGES_AFTER_TABLE
+from sqlalchemy import ColumnElement, and_, not_, or_, select, update
 from sqlalchemy.orm import Session
 
 from galewood_server.storage import Job, JobKind, database_now, new_id, utc_now
@@ -26,13 +27,23 @@ def server_identity(data_dir: Path) -> str:
     return path.read_text().strip() or f"process-{os.getpid()}"
 
 
-def claim(session: Session, owner: str, kinds: Collection[JobKind], lease_s: float) -> tuple[str, str] | None:
-    """Claim the oldest job that is queued or whose lease has expired: (job id, lease), or None."""
+AFTER_TABLE = Job.stage.in_(STAGES_AFTER_TABLE)
+"""Whether a build has its table: what follows comes after the tables of all other trees."""
+
+
+def claim(
+    session: Session, owner: str, kinds: Collection[JobKind], lease_s: float, *, after_table: bool = False
+) -> tuple[str, str] | None:
+    """Claim the oldest job that is queued or whose lease has expired: (job id, lease), or None.
+
+    ``after_table``: a build that has its table; there is none to claim while one without waits.
+    """
     now = database_now(session)
     claimable = _claimable(now)
-    job_id = session.scalars(
-        select(Job.id).where(claimable, Job.kind.in_(kinds)).order_by(Job.created_at).limit(1)
-    ).first()
+    waiting = select(Job.id).where(claimable, Job.kind.in_(kinds)).order_by(AFTER_TABLE, Job.created_at)
+    job_id = session.scalars(waiting.limit(1)).first()
+    if job_id and session.scalar(select(AFTER_TABLE).where(Job.id == job_id)) != after_table:
+        return None
     if job_id is None:
         return None
     values: dict[str, Any] = {
@@ -66,6 +77,27 @@ def renew(session: Session, job_id: str, lease: str, lease_s: float) -> bool:
     values = {"lease_until": until, "updated_at": Job.updated_at}
     statement = update(Job).where(Job.id == job_id, Job.lease == lease).values(**values).returning(Job.id)
     return session.scalar(statement) is not None
+
+
+def is_awaited(session: Session, job_id: str, lease: str) -> bool:
+    """Whether a build without a table waits, or runs on the server that holds this lease."""
+    owner = select(Job.owner).where(Job.id == job_id, Job.lease == lease).scalar_subquery()
+    here = and_(Job.state == "running", Job.owner == owner)
+    others = select(Job.id).where(Job.kind == "build", Job.id != job_id, not_(AFTER_TABLE))
+    return session.scalar(others.where(or_(Job.state == "queued", here)).limit(1)) is not None
+
+
+def put_back(session: Session, job_id: str, lease: str) -> None:
+    """Queue a running job again, if the lease is still valid: others come first."""
+    values: dict[str, Any] = {
+        "state": "queued",
+        "message": "Waiting until other trees have their tables",
+        "seconds_left": None,
+        "lease": None,
+        "lease_until": None,
+        "updated_at": utc_now(),
+    }
+    session.execute(update(Job).where(Job.id == job_id, Job.lease == lease).values(**values))
 
 
 def requeue_running(session: Session, owner: str) -> int:

@@ -11,6 +11,7 @@ from galewood.util import Cancelled
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
+from galewood_server.jobs.leases import is_awaited, put_back
 from galewood_server.jobs.queue import end_job
 from galewood_server.storage import Job, Sessions
 
@@ -19,6 +20,10 @@ USUAL_S = 60.0
 """Usual duration of the work, s: measured builds of the shipped trees took 25 to 65 s to their tables."""
 USUAL_WEIGHT = 0.15
 """Fraction of the work, done at the usual speed, as which `USUAL_S` counts beside the observed speed."""
+
+
+class Yielded(Exception):
+    """Other jobs come before the rest of this one."""
 
 
 class JobFailedError(Exception):
@@ -38,6 +43,17 @@ class JobLease:
         query = select(Job.cancel_requested).where(Job.id == self.job_id, Job.lease == self.lease)
         if session.scalar(query) is not False:
             raise Cancelled
+
+    def yield_to_others(self) -> None:
+        """Raise Yielded if another tree waits for its table."""
+        with self.sessions() as session:
+            if is_awaited(session, self.job_id, self.lease):
+                raise Yielded
+
+    def put_back(self) -> None:
+        """Queue the job again, behind those that it yields to."""
+        with self.sessions.begin() as session:
+            put_back(session, self.job_id, self.lease)
 
     def reached(self) -> Reached:
         """How far an earlier process of this job has come. Raises Cancelled."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from galewood.options import AFTER_BEAMS
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
@@ -11,7 +12,10 @@ from galewood_server.storage import ACTIVE_STATES, Job, JobKind, Tree, utc_now
 
 
 def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
-    """Queue a build of a tree's table. ProblemError 409 if one is already queued or running."""
+    """Queue a build of a tree's table. ProblemError 409 if one is already queued or running.
+
+    The tree moves at once, by the table that its import has made, unless the settings need another one.
+    """
     if tree.job and tree.job.state in ACTIVE_STATES:
         from galewood_server.http import ProblemError  # loads FastAPI, which job processes do not need
 
@@ -21,6 +25,8 @@ def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
             "This tree is already being computed",
             hint="Wait for its job to finish, or cancel it.",
         )
+    if tree.table_sha256 is None and tree.beams_sha256 and settings.keys() <= AFTER_BEAMS:
+        tree.table_sha256, tree.preliminary = tree.beams_sha256, True
     return add_job(session, tree, "build", settings)
 
 

@@ -29,8 +29,6 @@ QUEUES: dict[str, tuple[JobKind, ...]] = {
 """Queue -> job kinds. Comparisons take seconds and are interactive, so they do not wait for other kinds."""
 STAGES_WITHOUT_CLUSTER = ("queued", "import")
 """Stages of a build in which the cluster is not started yet, so that it does not compete with the import."""
-BUILDS_IN_STAGE_RECORDS = 3
-"""Largest number of builds in stage "records" that run in addition to `concurrent_jobs` other builds."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +82,8 @@ class Supervisor:
         self._cluster = Cluster(service.settings)
         self._owner = leases.server_identity(service.settings.data_dir)
         self._running: dict[Claim, asyncio.Task[None]] = {}
-        self._in_records: set[str] = set()
-        """Running builds that compute only the paper's records."""
+        self._after_table: set[str] = set()
+        """Running builds that have their table."""
         self._collected_s = time.monotonic()
 
     async def run(self) -> None:
@@ -148,13 +146,12 @@ class Supervisor:
             log.info("garbage collection removed %d file(s)", removed)
 
     def _running_count(self, queue: str) -> int:
-        """Running jobs that count for the limit of a queue."""
+        """Running jobs that count for the limit of a queue: builds with a table make way for others."""
         self._running = {claim: task for claim, task in self._running.items() if not task.done()}
-        count = sum(claim.queue == queue for claim in self._running)
-        if queue != "builds":
-            return count
-        in_records = sum(claim.job_id in self._in_records for claim in self._running)
-        return count - min(in_records, BUILDS_IN_STAGE_RECORDS)
+        return sum(claim.queue == queue for claim in self._running) - self._running_after_table(queue)
+
+    def _running_after_table(self, queue: str) -> int:
+        return sum(claim.queue == queue and claim.job_id in self._after_table for claim in self._running)
 
     @property
     def _running_builds(self) -> int:
@@ -170,16 +167,29 @@ class Supervisor:
         while self._running_count(queue) < limits[queue]:
             claim = await asyncio.to_thread(self._claim, queue)
             if claim is None:
+                break
+            self._running[claim] = asyncio.create_task(self._run_claim(claim))
+        if queue == "builds" and self._running_count(queue) == 0:
+            await self._start_after_tables(limits[queue])
+
+    async def _start_after_tables(self, limit: int) -> None:
+        """Go on with builds that have their table, while no other tree waits for one."""
+        while self._running_after_table("builds") < limit:
+            claim = await asyncio.to_thread(self._claim, "builds", after_table=True)
+            if claim is None:
                 return
+            self._after_table.add(claim.job_id)
             self._running[claim] = asyncio.create_task(self._run_claim(claim))
 
     def _claimable_kinds(self) -> set[JobKind]:
         with self._service.sessions() as session:
             return leases.claimable_kinds(session)
 
-    def _claim(self, queue: str) -> Claim | None:
+    def _claim(self, queue: str, after_table: bool = False) -> Claim | None:
         with self._service.sessions.begin() as session:
-            found = leases.claim(session, self._owner, QUEUES[queue], self._service.settings.lease_s)
+            found = leases.claim(
+                session, self._owner, QUEUES[queue], self._service.settings.lease_s, after_table=after_table
+            )
             return Claim(*found, queue) if found else None
 
     async def _run_claim(self, claim: Claim) -> None:
@@ -188,7 +198,7 @@ class Supervisor:
             await self._run_process(claim, renewal)
         finally:
             renewal.cancel()
-            self._in_records.discard(claim.job_id)
+            self._after_table.discard(claim.job_id)
             self._service.jobs_changed.set()  # the next job starts now, not at the next poll
 
     async def _renew_lease(self, claim: Claim) -> None:
@@ -259,8 +269,8 @@ class Supervisor:
             return
         if stage not in STAGES_WITHOUT_CLUSTER:
             handover.start()
-        if stage in STAGES_AFTER_TABLE and claim.job_id not in self._in_records:
-            self._in_records.add(claim.job_id)
+        if stage in STAGES_AFTER_TABLE and claim.job_id not in self._after_table:
+            self._after_table.add(claim.job_id)
             self._service.jobs_changed.set()
 
     def _set_cancel_flag(self, job_id: str) -> None:

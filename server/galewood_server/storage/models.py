@@ -72,6 +72,9 @@ class Tree(Base):
     report: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     source_sha256: Mapped[str] = mapped_column(String(64))
     mesh_sha256: Mapped[str | None] = mapped_column(String(64))
+    # what the import has read, for the first build, and the table of beams that moves the tree until then
+    import_sha256: Mapped[str | None] = mapped_column(String(64))
+    beams_sha256: Mapped[str | None] = mapped_column(String(64))
     table_sha256: Mapped[str | None] = mapped_column(String(64))
     # the table of the same mesh without its leaves, for the winter
     bare_table_sha256: Mapped[str | None] = mapped_column(String(64))

@@ -9,6 +9,7 @@ from galewood_server.storage.files import FileStore
 CONTENT_OF_STORE = {
     "sources": "uploaded file",
     "meshes": "mesh",
+    "imports": "imported tree",
     "tables": "table",
     "records": "records",
     "compliances": "compliance",
@@ -33,6 +34,7 @@ class Stores:
         )
         self.sources = self._named["sources"]
         self.meshes = self._named["meshes"]
+        self.imports = self._named["imports"]
         self.tables = self._named["tables"]
         self.records = self._named["records"]
         self.compliances = self._named["compliances"]

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 FILE_COLUMNS = {
     "source_sha256": "sources",
     "mesh_sha256": "meshes",
+    "import_sha256": "imports",
+    "beams_sha256": "tables",
     "table_sha256": "tables",
     "bare_table_sha256": "tables",
     "records_sha256": "records",
@@ -25,6 +27,8 @@ FILE_COLUMNS = {
     "model_sha256": "models",
 }
 """Column of a tree -> store of the file whose hash it holds."""
+IMPORT_COLUMNS = ("import_sha256", "beams_sha256")
+"""Columns of the files that an import leaves for the first build; its table replaces them."""
 FOLLOWING_COLUMNS = ("records_sha256", "bare_table_sha256", "compliance_sha256")
 """Columns of the files that follow a complete table."""
 ANALYSIS_INPUTS = ("table_sha256", "records_sha256", "model_sha256", "mesh_sha256")

@@ -11,6 +11,7 @@ from galewood.check.bench.fem import bench_fem, compared
 from galewood.check.bench.report import SENTENCES, sentences
 from galewood.check.bench.run import PARTS, chosen_parts
 from galewood.check.bench.tables import bench_forest, sizes
+from galewood.check.bench.waiting import ratios, solve_s
 from galewood.check.verify.bars import polygon_bar
 from galewood.solid.fem.model import FemModel, FemSettings
 from galewood.solid.model.construction import build_model
@@ -50,6 +51,18 @@ def test_every_part_has_its_sentences() -> None:
     first, second = sentences({"samples": samples})
     assert "6,480 samples of poplar: 14.2 CPU seconds with the fast elements (540 simulated)" in first
     assert "400 CPU seconds (20 simulated)" in second
+
+
+def test_waiting_is_measured_in_times_of_other_work() -> None:
+    assert ratios({"read": 0.6, "first_motion": 1.5}, 0.3) == {"read_ratio": 2.0, "first_motion_ratio": 5.0}
+    assert solve_s(small_model(), 0) == 0.0
+    model = small_model()
+    assert solve_s(model, 100) > 0
+    figures = {
+        "tree": "maple", "read_cpu_s": 0.6, "first_motion_cpu_s": 1.5, "read_ratio": 2.0,
+        "first_motion_ratio": 5.0,
+    }  # fmt: skip
+    assert "2.0 times those of trimesh; with its first motion 1.50, 5.0" in sentences({"upload": figures})[0]
 
 
 def small_model() -> FemModel:

@@ -107,13 +107,19 @@ def in_records(api: httpx.Client, job: dict[str, Any]) -> bool:
     )
 
 
-def test_the_next_build_starts_while_records_are_computed(start_server: StartServer) -> None:
+def test_records_make_way_for_the_table_of_another_tree(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
-    held = hold_records(server.data_dir, "a.obj")
+    held, also = (hold_records(server.data_dir, name) for name in ("a.obj", "b.obj"))
     with server.client() as api:
-        first, second = begin(api, "a.obj"), begin(api, "b.obj")
+        first = begin(api, "a.obj")
+        wait_until(lambda: in_records(api, first))
+        second = begin(api, "b.obj")
+        wait_until(lambda: in_records(api, second))
+        assert (state(api, first), state(api, second)) == ("queued", "running")
+        also.unlink()
         wait_until(lambda: state(api, second) == "done")
-        assert in_records(api, first) and state(api, first) == "running"
+        wait_until(lambda: state(api, first) == "running")
+        assert in_records(api, first)
         table = api.get(f"/api/trees/{first['tree_id']}").json()
         assert table["table_sha256"] and table["records_sha256"] is None
         held.unlink()

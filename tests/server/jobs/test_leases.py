@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from datetime import timedelta
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -16,7 +17,14 @@ import psutil
 import pytest
 from galewood_server.app import builtin_trees
 from galewood_server.context import Service
-from galewood_server.jobs.leases import claim, claimable_kinds, renew, requeue_running
+from galewood_server.jobs.leases import (
+    claim,
+    claimable_kinds,
+    is_awaited,
+    put_back,
+    renew,
+    requeue_running,
+)
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 from galewood_server.storage.database import migrate, open_database
@@ -34,6 +42,39 @@ from tests.server.support.server_process import (
     shared_services,
     wait_until,
 )
+
+
+def test_builds_with_a_table_come_after_all_others(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'jobs.sqlite'}"
+    migrate(url)
+    sessions = open_database(url)
+    stages = {"old": "records", "bare": "bare", "new": "queued"}
+    with sessions.begin() as session:
+        jobs = [Job(id=name, stage=stage) for name, stage in stages.items()]
+        session.add(Tree(id="t", name="t", filename="t.obj", source_sha256="0" * 64, jobs=jobs))
+        session.flush()
+        for age, name in enumerate(stages):
+            session.get_one(Job, name).created_at += timedelta(seconds=age)
+    with sessions.begin() as session:
+        assert claim(session, "one", ("build",), 60, after_table=True) is None, "another tree waits"
+        new = claim(session, "one", ("build",), 60)
+        assert new and new[0] == "new"
+        assert claim(session, "one", ("build",), 60) is None, "the others have their tables"
+        old = claim(session, "one", ("build",), 60, after_table=True)
+        assert old and old[0] == "old"
+    with sessions.begin() as session:
+        assert is_awaited(session, *old), "a tree without a table is computed on the same server"
+        bare = claim(session, "two", ("build",), 60, after_table=True)
+        assert bare and not is_awaited(session, *bare), "the other server is busy, this one is not"
+        put_back(session, *old)
+    with sessions.begin() as session:
+        job = session.get_one(Job, "old")
+        assert (job.state, job.stage, job.lease) == ("queued", "records", None)
+        session.add(Job(id="next", tree_id="t"))
+        session.flush()
+        assert is_awaited(session, *bare), "a tree waits"
+        put_back(session, "bare", "the lease of another server")
+        assert session.get_one(Job, "bare").state == "running"
 
 
 def test_servers_that_start_together_register_each_tree_once(tmp_path: Path) -> None:

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
-from galewood_server.jobs import progress
+from galewood.pipeline.results import BuildResult
+from galewood.pipeline.stages.stage import Progress
+from galewood.pipeline.stages.stage import Stage as BuildStage
+from galewood_server.jobs import build_job, progress
 from galewood_server.jobs.build_job import read_build_inputs
+from galewood_server.jobs.job_process import run_job
 from galewood_server.jobs.leases import claim, requeue_running
 from galewood_server.jobs.progress import JobFailedError, JobLease, ProgressReporter
+from galewood_server.jobs.queue import add_job, end_job
 from galewood_server.jobs.stored_files import stored_bytes, stored_path
-from galewood_server.storage.models import Job, JobKind
+from galewood_server.settings import Settings
+from galewood_server.storage.models import Job, JobKind, Tree
 
-from tests.server.jobs.test_artefact_publisher import Build
+from tests.server.jobs.test_artefact_publisher import MESH, Build
 
 Stage = tuple[str, float]
 
@@ -28,7 +36,7 @@ def restarted(build: Build, kind: JobKind = "build") -> ProgressReporter:
     """The reporter of the same job in the process of a server that was started again."""
     with build.sessions.begin() as session:
         assert requeue_running(session, "here") == 1
-        claimed = claim(session, "here", (kind,), 60)
+        claimed = claim(session, "here", (kind,), 60) or claim(session, "here", (kind,), 60, after_table=True)
     assert claimed
     build.job_lease = JobLease(build.sessions, *claimed)
     return ProgressReporter(build.job_lease)
@@ -68,6 +76,45 @@ def test_a_job_restarted_after_its_table_stays_in_the_stage_it_had_reached(build
     for stage, fraction in (("records", 0.5), ("bare", 0.1)):
         again.report(stage, fraction, "work")
         assert shown(build) == (stage, fraction, "work")
+
+
+def test_a_build_with_its_table_goes_back_to_the_queue_when_a_tree_waits(
+    build: Build, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("lower_priority", "load_early"):  # of the process of a job
+        monkeypatch.setattr(build_job, name, lambda: None)
+    monkeypatch.setattr(build_job, "YIELD_S", -1.0)
+    settings, done = Settings(data_dir=tmp_path, compile_kernels=False), list[str]()
+
+    def compute(*given: Any) -> BuildResult:
+        """A build during whose stage "records" another tree is uploaded, the first time."""
+        on_progress, on_table = given[4], given[7]
+        result = BuildResult(build.table(4.0), None, MESH, {})
+        on_progress(Progress(BuildStage.SAMPLING, 0.5, "sampling"))
+        on_table(result)
+        on_progress(Progress(BuildStage.RECORDS, 0.1, "records"))
+        if not done:
+            done.append("a part of the records")
+            with build.sessions.begin() as session:
+                session.add(Tree(id="u", name="u", filename="u.obj", source_sha256="0" * 64))
+                session.flush()
+                add_job(session, session.get_one(Tree, "u"), "build", {})
+        on_progress(Progress(BuildStage.RECORDS, 0.2, "records"))
+        done.append("the records")
+        return replace(result, records=b"records")
+
+    run_job(build.job_lease, lambda: "", settings, compute)
+    assert (build.job.state, build.job.stage, build.job.lease) == ("queued", "records", None)
+    assert build.tree.state == "ready" and done == ["a part of the records"]
+    with build.sessions.begin() as session:
+        other = claim(session, "here", ("build",), 60)
+        assert other and session.get_one(Job, other[0]).tree_id == "u", "the tree that waits comes first"
+        end_job(session, other[0], "done", message="Done")
+        claimed = claim(session, "here", ("build",), 60, after_table=True)
+    assert claimed
+    run_job(JobLease(build.sessions, *claimed), lambda: "", settings, compute)
+    assert build.job.state == "done" and done[1:] == ["the records"]
+    assert build.tree.records_sha256
 
 
 def spoil(build: Build, kind: str, how: str) -> str:

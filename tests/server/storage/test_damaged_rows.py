@@ -202,8 +202,20 @@ def test_damaged_rows_keep_no_other_tree_from_its_update_and_are_found_by_doctor
 
 def surrogate_importer(data: bytes, filename: str, options: Any) -> Any:
     names = ["\ud800"] if b"odd" in data or options.height_m == 9 else []
-    mesh = SimpleNamespace(species=options.species, height_m=5.0, report={"names": names})
-    return mesh, b"glTF of " + data + str(options.height_m).encode()
+    content = data + str(options.height_m).encode()
+    return SimpleNamespace(
+        species=options.species, height_m=5.0, report={"names": names}, render_glb=b"glTF of " + content,
+        tree=b"tree of " + content, beams=b"table of " + content,
+    )  # fmt: skip
+
+
+def stored_names(stores: Stores) -> set[str]:
+    """The files of all imports."""
+    return {
+        name
+        for store in (stores.sources, stores.meshes, stores.imports, stores.tables)
+        for name in store.names()
+    }
 
 
 def test_what_cannot_be_answered_is_not_stored(tmp_path: Path) -> None:
@@ -213,12 +225,13 @@ def test_what_cannot_be_answered_is_not_stored(tmp_path: Path) -> None:
             refused = await api.post("/api/trees", files={"file": ("a.obj", b"odd")})
             assert (refused.status_code, refused.json()["code"]) == (500, "unserialisable")
             assert await listed(api, "trees") == ([], [])
-            assert not list(stores.sources.names()) and not list(stores.meshes.names())
+            assert not stored_names(stores)
             tree = (await api.post("/api/trees", files={"file": ("a.obj", b"even")})).json()
-            files = {*stores.sources.names(), *stores.meshes.names()}
+            files = stored_names(stores)
+            assert len(files) == 4
             refused = await api.patch(f"/api/trees/{tree['id']}", json={"height_m": 9, "name": "nine"})
             assert refused.json()["code"] == "unserialisable"
             assert (await api.get(f"/api/trees/{tree['id']}")).json() == tree
-            assert {*stores.sources.names(), *stores.meshes.names()} == files
+            assert stored_names(stores) == files
 
     asyncio.run(ask())

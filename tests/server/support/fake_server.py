@@ -16,10 +16,14 @@ if TYPE_CHECKING:  # the package loads scipy, which a fake has no use for
 def fake_importer(data: bytes, filename: str, options: ImportRequest) -> Any:
     if not data:
         raise MeshError("empty-file", "malformed", "The file is empty.", "Choose another file.")
-    mesh = SimpleNamespace(
-        species=options.species, height_m=options.height_m or 5.0, report={"assumed": ["all"]}
+    return SimpleNamespace(
+        species=options.species,
+        height_m=options.height_m or 5.0,
+        report={"assumed": ["all"]},
+        render_glb=b"glTF" + data[:64],
+        tree=b"tree of " + data[:64],
+        beams=None,
     )
-    return mesh, b"glTF" + data[:64]
 
 
 if __name__ == "__main__":

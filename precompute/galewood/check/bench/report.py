@@ -43,6 +43,14 @@ def _samples(f: Figures) -> list[str]:
     ]
 
 
+def _upload(f: Figures) -> list[str]:
+    return [
+        f"Upload of {f['tree']}: read in {f['read_cpu_s']:.2f} CPU seconds, {f['read_ratio']:.1f} times "
+        f"those of trimesh; with its first motion {f['first_motion_cpu_s']:.2f}, "
+        f"{f['first_motion_ratio']:.1f} times those of trimesh"
+    ]
+
+
 def _build(f: Figures) -> list[str]:
     wall, cpu, peak, table = f["wall_s"], f["cpu_s"], f["peak_memory_mb"], f["table"]
     stages = ", ".join(f"{name} {wall[name]:.1f} ({cpu[name]:.1f})" for name in wall if name != "total")
@@ -51,6 +59,8 @@ def _build(f: Figures) -> list[str]:
     )
     return [
         f"Build of {f['tree']}: {wall['total']:.1f} s, {cpu['total']:.1f} CPU seconds",
+        f"  complete table after {f['complete_ratio']:.1f} times the {f['solve_cpu_s']:.1f} CPU seconds of "
+        "the finite-element steps of its training runs",
         f"  by stage, seconds (CPU seconds): {stages}",
         f"  published, after seconds (CPU seconds): {published}",
         f"  peak memory: {peak['parent']:.0f} MB in the build process, {peak['largest_worker']:.0f} MB in "
@@ -85,6 +95,7 @@ def _wind(f: Figures) -> list[str]:
 SENTENCES: dict[str, Callable[[Figures], list[str]]] = {
     "fem": _fem,
     "samples": _samples,
+    "upload": _upload,
     "build": _build,
     "lookup": _lookup,
     "modal": _modal,

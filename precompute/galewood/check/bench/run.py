@@ -12,15 +12,18 @@ import numpy as np
 from galewood.check.bench.fem import bench_fem
 from galewood.check.bench.samples import bench_samples, prepared
 from galewood.check.bench.tables import OnProgress, bench_build, bench_forest, bench_search
+from galewood.check.bench.waiting import bench_upload
 from galewood.check.bench.wind import bench_wind
 from galewood.pipeline.tables import BuildOptions
 from galewood.table import decode
+from galewood.wood import SPECIES
 
 __all__ = ["PARTS", "chosen_parts", "run_bench"]
 
 PARTS = {
     "fem": "a finite-element step, and the same step with other sparse direct solvers",
     "samples": "the 6,480 samples of a table with the fast and with the reference elements",
+    "upload": "reading an upload and its first motion, in times of trimesh reading the same file",
     "build": "a build by stage: wall and CPU seconds, memory; the table's size",
     "lookup": "the paper's state search with 35 and with 435 sampled elements",
     "modal": "a step of 10,000 trees with the modal model and with the paper's state search",
@@ -35,7 +38,8 @@ class Bench:
 
     def __init__(self, mesh: Path, cache_dir: Path, *, quick: bool, table: Path | None) -> None:
         self._mesh, self._cache_dir, self._quick = mesh, cache_dir, quick
-        self._options = BuildOptions(species=mesh.stem, height_m=12.0)
+        species = mesh.stem if mesh.stem in SPECIES else None
+        self._options = BuildOptions(species=species, height_m=12.0, accept=True)
         self._table = table.read_bytes() if table else None
 
     def fem(self, on_progress: OnProgress) -> Any:
@@ -49,6 +53,10 @@ class Bench:
         return bench_samples(
             self._mesh, self._options, self._cache_dir, quick=self._quick, on_progress=on_progress
         )
+
+    def upload(self, on_progress: OnProgress) -> Any:
+        on_progress(0.0, "Reading the mesh")
+        return bench_upload(self._mesh)
 
     def build(self, on_progress: OnProgress) -> Any:
         # In an empty folder, so that no stage is skipped because of cached results.

@@ -11,10 +11,13 @@ from typing import Any
 import numpy as np
 import zstandard
 
+from galewood.check.bench.waiting import ratios, solve_s
+from galewood.constants import STAGES_AFTER_TABLE
 from galewood.motion.wind import Wind, wind_pressure
 from galewood.pipeline.stages import TETS_PREFIX, Progress, build_table
 from galewood.pipeline.tables import BuildOptions
 from galewood.player import ModalForest, PaperForest, grid_placements
+from galewood.solid.fem import load_model
 from galewood.table import Table, decode
 from galewood.util import PeakMemory, cpu_seconds
 
@@ -49,11 +52,16 @@ def bench_build(
         )  # fmt: skip
     data = result.whole_table()
     wall_s, cpu_s = result.report["seconds"], result.report["cpu_seconds"]
+    frames = sum(decode(data).metadata["provenance"]["frames"])
+    solved_s = solve_s(load_model(next((cache_dir / "models").glob("*.npz"))), frames)
+    stages_s = {name: spent_s for name, spent_s in cpu_s.items() if name not in STAGES_AFTER_TABLE}
     figures = {
         "tree": mesh.stem,
         "wall_s": wall_s | {"total": sum(wall_s.values())},
         "cpu_s": cpu_s | {"total": sum(cpu_s.values())},
         "published": published,
+        "solve_cpu_s": solved_s,
+        **ratios({"complete": published[COMPLETE_TABLE]["cpu_s"], **stages_s}, solved_s),
         "peak_memory_mb": {
             "parent": memory.parent_mb,
             "largest_worker": memory.child_mb,

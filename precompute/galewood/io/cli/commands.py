@@ -91,7 +91,8 @@ def paper(
 @app.command()
 def bench(
     parts: Annotated[
-        list[str] | None, typer.Argument(help="fem, samples, build, lookup, modal, wind; default: all.")
+        list[str] | None,
+        typer.Argument(help="fem, samples, upload, build, lookup, modal, wind; default: all."),
     ] = None,
     mesh: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="Tree mesh to use.")] = Path(
         "assets/species/poplar.glb"
@@ -103,7 +104,7 @@ def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer frames, extrapolated.")] = False,
     json_out: JsonOut = None,
 ) -> None:
-    """Measure the FEM step, the samples, a build by stage, the state search, a forest's step and the wind."""
+    """Measure FEM steps, samples, an upload, a build by stage, the search, steps of a forest, the wind."""
     from galewood.check.bench import chosen_parts, run_bench, sentences
 
     try:

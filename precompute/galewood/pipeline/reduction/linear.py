@@ -18,12 +18,12 @@ from galewood.pipeline.reduction.oscillators import (
     CrownWind,
     Oscillators,
     felt_wind,
-    first_of,
     leading_oscillators,
     propagators,
     response,
 )
 from galewood.pipeline.reduction.pod import Subspace, spanned_by
+from galewood.pipeline.reduction.tensors import modal_tensors
 from galewood.pipeline.reduction.training import STANDARD_SIZE
 from galewood.pipeline.sampling import SampleWind
 from galewood.solid.fem import FemSettings
@@ -48,23 +48,19 @@ def linear_motion(
     ``mass_kg`` (n,) are the masses of the vertices of the shapes.
     """
     size, dt_s = STANDARD_SIZE, settings.dt_s
-    own = leading_oscillators(first_of(body, size.natural), settings, size.dynamic)
+    own = leading_oscillators(body, settings, size.natural, size.dynamic)
     subspace = spanned_by(own.shapes, mass_kg)
     step = propagators(own.omega, np.diag(own.damping), settings)
     felt = [felt_wind(wind.pressure_pa, wind.gusts, own.places.place_m, dt_s) for wind in winds]
     runs = [_linear_run(own, step, subspace.scale, wind, dt_s) for wind in felt]
     sway = sway_coordinates(own, runs)
     limits = sampled_range(sway, runs, 0)
-    step[:, [0, 3]] -= 1.0
     d = len(own.omega)
     none = np.zeros((force_terms(0), d)), np.zeros((d + 2 + shape_terms(0), 0))
     drag = drag_points(own, typical_speed(runs))
-    tensors = (
-        step, own.load, sway, none[0], subspace.scale, none[1], limits,
-        drag.point, drag.shape, drag.rest, drag.place, own.places.place_m, own.place_load,
-    )  # fmt: skip
-    singles = (np.ascontiguousarray(tensor, np.float32) for tensor in tensors)
-    modal = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
+    modal = modal_tensors(
+        own, step, drag, sway=sway, force=none[0], shown=subspace.scale, pose=none[1], limits=limits
+    )
     return LinearMotion(modal, subspace, [run.q for run in runs])
 
 

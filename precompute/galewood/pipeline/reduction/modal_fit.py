@@ -38,8 +38,9 @@ from galewood.pipeline.reduction.modal_runs import (
 from galewood.pipeline.reduction.oscillators import Oscillators, propagators, response
 from galewood.pipeline.reduction.output_error import fitted_force
 from galewood.pipeline.reduction.pod import Subspace
+from galewood.pipeline.reduction.tensors import modal_tensors, single
 from galewood.solid.fem import FemSettings
-from galewood.util import Array, Floats
+from galewood.util import Floats
 
 START_RIDGES = (0.3, 0.02, 1e-4)
 """Ridge parameters of the first fits, relative to the mean square of each term.
@@ -76,21 +77,12 @@ def fit_modal_model(
     starts = _first_forces(modal, [table[:, :count] for table in tables], weights, linear, settings.dt_s)
     starts = np.pad(starts, ((0, 0), (0, tables[0].shape[1] - count), (0, 0)))
     shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits, mean)
-    relative, place_load = step.copy(), ritz.place_load
-    relative[:, [0, 3]] -= 1.0
-    tensors = (
-        relative, ritz.load, sway, starts[0][:count], shown, pose, limits,
-        drag.point, drag.shape, drag.rest, drag.place, ritz.places.place_m, place_load,
-    )  # fmt: skip
-    singles = (_single(tensor) for tensor in tensors)
-    first = ModalTensors(*singles, streamlined_exponent=drag.streamlined_exponent)
+    first = modal_tensors(
+        ritz, step, drag, sway=sway, force=starts[0][:count], shown=shown, pose=pose, limits=limits
+    )
     force = fitted_force(first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s)
-    corrected = place_load + force[count:].T.reshape(place_load.shape)
-    return replace(first, force=_single(force[:count]), place_load=_single(corrected))
-
-
-def _single(tensor: Array) -> Array:
-    return np.ascontiguousarray(tensor, np.float32)
+    corrected = ritz.place_load + force[count:].T.reshape(ritz.place_load.shape)
+    return replace(first, force=single(force[:count]), place_load=single(corrected))
 
 
 def force_table(run: ModalRun, sway: Floats, limits: Floats, mean: Floats, half_s: float) -> Floats:

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -75,8 +77,12 @@ class Oscillators:
     load: Floats  # (k, 2) modal force per Pa
     exposure: Exposure = NOT_EXPOSED
     places: Places = field(default_factory=lambda: no_places(0))
+    leading: dict[tuple[FemSettings, int, int], Oscillators] = field(
+        default_factory=dict[Any, "Oscillators"], init=False, repr=False, compare=False
+    )
+    """What `leading_oscillators` has found for this body: every table asks for it."""
 
-    @property
+    @cached_property
     def place_load(self) -> Floats:
         """(k, 2, G) modal force per Pa of the gust at each place."""
         if not self.places.count:
@@ -188,12 +194,18 @@ def reduced(
     return Oscillators(np.sqrt(squared), *mixed, body.exposure, body.places)
 
 
-def leading_oscillators(body: Oscillators, settings: FemSettings, dynamic: int) -> Oscillators:
-    """The ``dynamic`` oscillators that best represent the linear motion of a body in oscillating winds."""
+def leading_oscillators(body: Oscillators, settings: FemSettings, natural: int, dynamic: int) -> Oscillators:
+    """The ``dynamic`` oscillators, combined from the first ``natural`` modes of a body, that best represent
+    its linear motion in oscillating winds.
+    """
+    if found := body.leading.get((settings, natural, dynamic)):
+        return found
     even = [(wind, NO_GUSTS) for wind in smooth_winds(settings.dt_s) + gusty_winds(settings.dt_s)]
     winds = [*even, *crown_winds(settings.dt_s)] if body.places.count else even
     felt = [felt_wind(wind, gusts, body.places.place_m, settings.dt_s) for wind, gusts in winds]
-    return reduced(body, felt, settings, dynamic)
+    found = reduced(first_of(body, natural), felt, settings, dynamic)
+    body.leading[settings, natural, dynamic] = found
+    return found
 
 
 def felt_wind(pressure_pa: Floats, gusts: CrownGusts, place_m: Floats, dt_s: float) -> CrownWind:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from galewood.motion.modal import ModalTensors
 from galewood.pipeline.reduction.modal_fit import fit_modal_model
-from galewood.pipeline.reduction.oscillators import Oscillators, first_of, leading_oscillators
+from galewood.pipeline.reduction.oscillators import Oscillators, leading_oscillators
 from galewood.pipeline.reduction.pod import Subspace, fit_subspace, thinned
 from galewood.pipeline.reduction.training_error import training_error_m
 from galewood.pipeline.sampling import SampledRun
@@ -63,8 +63,8 @@ def output_modes(training: ModalTraining, mass_kg: Floats) -> tuple[Oscillators,
     """The oscillators, and the output modes: their shapes and a few POD modes of the runs."""
     frames = sum(len(run.pressure_pa) + 1 for run in training.runs)
     snapshots = thinned((run.displacement_m for run in training.runs), frames)
-    body = first_of(training.body, training.size.natural)
-    own = leading_oscillators(body, training.scheme, training.size.dynamic)
+    size = training.size
+    own = leading_oscillators(training.body, training.scheme, size.natural, size.dynamic)
     return own, fit_subspace(snapshots, mass_kg, FURTHER_MODES, leading=own.shapes)
 
 

@@ -4,11 +4,17 @@ from .build import build_table as build_table
 from .build import build_tree as build_tree
 from .build import model_of as model_of
 from .kernel_compilation import compile_kernels as compile_kernels
+from .reading import READ_IN_CHILD as READ_IN_CHILD
+from .reading import ReadUpload as ReadUpload
+from .reading import import_key as import_key
+from .reading import kept_tree as kept_tree
+from .reading import read_upload as read_upload
 from .shipping import BuiltinMesh as BuiltinMesh
 from .shipping import builtin_meshes as builtin_meshes
 from .shipping import outdated as outdated
 from .shipping import ship as ship
 from .shipping import unpacked as unpacked
+from .solid import ImportedTree as ImportedTree
 from .stage import Progress as Progress
 from .stage import Stage as Stage
 from .training import TrainingModel as TrainingModel

@@ -27,12 +27,12 @@ from galewood.tree import TreeMesh
 from galewood.util import WorkerPool
 
 WARM_MODULES = ("galewood.solid.model.comparison", "galewood.pipeline.sampling.runner")
-"""Modules that the worker processes import during the import, so that compiled kernels load early."""
+"""Modules that the worker processes import when they start, so that compiled kernels load early."""
 OnProgress = Callable[[Progress], None]
 
 
 def build_table(
-    source: bytes,
+    source: bytes | ImportedTree,
     filename: str,
     options: BuildOptions,
     runner: TrajectoryRunner | None = None,
@@ -44,6 +44,7 @@ def build_table(
 ) -> BuildResult:
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
+    ``source`` is the file, or the tree that it was read as with these options.
     ``publish`` receives "render.glb", "beams.table", "tets-….npz" (the file in the cache), "tetrahedra.png",
     "skeleton.png", "early.table" and "bare.table" as soon as they exist; ``on_table`` the complete table of
     the default method, before the paper's records are computed, and ``on_import`` the tree as soon as it is
@@ -89,7 +90,7 @@ def model_of(source: bytes, filename: str, options: BuildOptions, cache_dir: Pat
 
 def _workers(runner: TrajectoryRunner | None) -> WorkerPool:
     """Worker processes: one per core, or a single one if the training runs are simulated elsewhere."""
-    return WorkerPool(1 if runner else None, warm=WARM_MODULES)
+    return WorkerPool(1) if runner else WorkerPool(warm=WARM_MODULES)
 
 
 def _quiet(

@@ -11,6 +11,7 @@ from typing import Any
 from galewood.pipeline.results import BuildResult
 from galewood.pipeline.sampling import DesignWind, Samples, SampleTask, design_wind, simulate
 from galewood.pipeline.stages.context import BuildContext, runs_as
+from galewood.pipeline.stages.kept_fit import KeptFit, fit_path, keep_fit, kept_fit
 from galewood.pipeline.stages.solid import SolidTree
 from galewood.pipeline.stages.stage import Stage
 from galewood.pipeline.stages.training import TrainingModel
@@ -146,13 +147,22 @@ def simulate_runs(modelled: ModelledTree, context: BuildContext) -> SimulatedTre
 def fit_table(simulated: SimulatedTree, context: BuildContext) -> FittedTree:
     """Fit the default method to the training runs, and pass on its complete table."""
     tree = simulated.modelled
-    part = tree.table(TableStage.COMPLETE)
+    path = fit_path(
+        context.cache_dir,
+        [task.path.stem for task in tree.samples.default],
+        hashlib.sha256(tree.solid.imported.render_glb).hexdigest(),
+        context.options.model_dump(mode="json"),
+    )
+    fit = kept_fit(path)
+    if fit is None:
+        fit = KeptFit.of(tree.table(TableStage.COMPLETE))
+        keep_fit(path, fit)
     compliance = compliance_file(
         tree.model.fem,
         tree.solid.surface.embedding,
         hashlib.sha256(tree.solid.imported.render_glb).hexdigest(),
     )
-    fitted = FittedTree(tree, part, encode(part.table), compliance)
+    fitted = FittedTree(tree, fit.part, fit.table, compliance)
     context.on_table(fitted.result(context))
     return fitted
 

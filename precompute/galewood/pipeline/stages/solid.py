@@ -20,19 +20,21 @@ from galewood.wood import Wood
 
 
 @dataclass(frozen=True)
-class MeshFile:
-    """A mesh file of a tree."""
-
-    content: bytes
-    name: str
-
-
-@dataclass(frozen=True)
 class ImportedTree:
     """A tree as it was read, and the mesh that its table animates."""
 
     tree: TreeMesh
     render_glb: bytes
+    moving: bool = False
+    """Whether a first table of it is already there."""
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A mesh file of a tree: its bytes, or what they were read as before."""
+
+    content: bytes | ImportedTree
+    name: str
 
 
 @dataclass(frozen=True)
@@ -69,12 +71,21 @@ class SolidTree:
 
 @runs_as(Stage.IMPORT)
 def import_tree(file: MeshFile, context: BuildContext) -> ImportedTree:
-    """Read the mesh file; publish the mesh to draw, and start computing a first table. Raises MeshError."""
-    tree, render_glb = import_mesh_sandboxed(file.content, file.name, context.options)
+    """Read the mesh file, unless that is done; publish the mesh to draw, and start computing a first table.
+
+    Raises MeshError.
+    """
+    imported = file.content
+    if isinstance(imported, bytes):
+        imported = ImportedTree(*import_mesh_sandboxed(imported, file.name, context.options))
+    tree, render_glb = imported.tree, imported.render_glb
     context.on_import(tree)
     context.artefacts.publish(RENDER_MESH_FILE, lambda: render_glb)
-    context.artefacts.compute(TableStage.BEAMS.file, lambda: beam_table(tree, context.options, render_glb))
-    return ImportedTree(tree, render_glb)
+    if not imported.moving:
+        context.artefacts.compute(
+            TableStage.BEAMS.file, lambda: beam_table(tree, context.options, render_glb)
+        )
+    return imported
 
 
 @runs_as(Stage.MESHING)

@@ -7,6 +7,7 @@ from .assemble import internal_states as internal_states
 from .compliance import compliance_file as compliance_file
 from .expected import expected_motion as expected_motion
 from .expected import motion_lines as motion_lines
+from .expected import with_expected_motion as with_expected_motion
 from .from_beams import beam_table as beam_table
 from .options import EXPECTED_MOTION as EXPECTED_MOTION
 from .options import BuildOptions as BuildOptions

@@ -76,11 +76,24 @@ class _NearestBeams:
     distance_m: Floats
 
 
+_latest: list[tuple[TreeMesh, Wood, bool, BeamModel]] = []
+"""The model that was made last: what an import says of the motion, and its first table, take the same one."""
+
+
 def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
     """The beam model of a tree. Raises ValueError if the surface has no branches.
 
     Without ``leaves`` they still move, but have neither mass nor wind load.
     """
+    for latest, *of, model in _latest:
+        if latest is tree and of == [wood, leaves]:
+            return model
+    model = _beam_model(tree, wood, leaves)
+    _latest[:] = [(tree, wood, leaves, model)]
+    return model
+
+
+def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
     outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
     frame = replace(frame_of(outline), stiff_radius_m=_stiff_radius_m(tree.wood_vertices_m))
     beams = [_nearest_beams(primitive.positions_m, frame) for primitive in tree.primitives]

@@ -54,8 +54,8 @@ async def copy_tree(tree_id: str, body: TreeChanges, service: ServiceDep, respon
     upload = await asyncio.to_thread(_upload, service, tree_id)
     options = {**upload.changes.import_options(), **body.model_dump(exclude_unset=True)}
     upload = replace(upload, changes=TreeChanges.model_validate(options))
-    mesh, glb = await read_mesh(service, upload.data, upload.filename, upload.changes)
-    tree, new = await asyncio.to_thread(store_tree, service, upload, mesh, glb)
+    read = await read_mesh(service, upload.data, upload.filename, upload.changes)
+    tree, new = await asyncio.to_thread(store_tree, service, upload, read)
     response.status_code = 201 if new else 200
     response.headers["Location"] = f"/api/trees/{tree.id}"
     return tree

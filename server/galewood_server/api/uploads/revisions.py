@@ -11,14 +11,14 @@ from fastapi import APIRouter
 from galewood.options import ImportRequest
 
 from galewood_server.access import check_quota, count_stored
-from galewood_server.api.trees import find_tree, remove_unshared, tree_out
-from galewood_server.api.uploads.upload import read_mesh
+from galewood_server.api.trees import find_tree, tree_out
+from galewood_server.api.uploads.upload import READ_COLUMNS, put_read, read_bytes, read_mesh, remove_read
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, TreeChanges, TreeOut, problems
 from galewood_server.storage import Tree
 
 if TYPE_CHECKING:
-    from galewood.tree import TreeMesh
+    from galewood.pipeline.stages import ReadUpload
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 
@@ -28,8 +28,7 @@ class Revision:
     """A mesh imported again: its options and the result."""
 
     options: dict[str, Any]
-    mesh: TreeMesh
-    glb: bytes
+    read: ReadUpload
 
 
 @router.patch("/{tree_id}", max_body_size=64 * 1024, responses=problems(400, 403, 404, 409, 413, 503, 507))
@@ -41,9 +40,9 @@ async def change_tree(tree_id: str, body: TreeChanges, service: ServiceDep) -> T
     revision = None
     if options is not None:
         source, filename = await asyncio.to_thread(_source, service, tree_id)
-        imported = await read_mesh(service, source, filename, ImportRequest.model_validate(options))
-        revision = Revision(options, *imported)
-        await asyncio.to_thread(check_quota, service.settings, len(revision.glb))
+        read = await read_mesh(service, source, filename, ImportRequest.model_validate(options))
+        revision = Revision(options, read)
+        await asyncio.to_thread(check_quota, service.settings, read_bytes(read))
     return await asyncio.to_thread(_write, service, tree_id, body.name, revision)
 
 
@@ -81,18 +80,22 @@ def _source(service: Service, tree_id: str) -> tuple[bytes, str]:
 def _write(service: Service, tree_id: str, name: str | None, revision: Revision | None) -> TreeOut:
     with service.files_lock, service.sessions.begin() as session:
         tree = find_tree(session, tree_id)
-        before = None
+        before: dict[str, str | None] = {}
         if name:
             tree.name = name
         if revision:
             _check_unbuilt(tree)
-            tree.options, tree.report = revision.options, revision.mesh.report
-            tree.species, tree.height_m = revision.mesh.species, revision.mesh.height_m
-            before, tree.mesh_sha256 = tree.mesh_sha256, hashlib.sha256(revision.glb).hexdigest()
+            read = revision.read
+            tree.options, tree.report = revision.options, read.report
+            tree.species, tree.height_m = read.species, read.height_m
+            before = {column: getattr(tree, column) for column in READ_COLUMNS}
+            tree.mesh_sha256 = hashlib.sha256(read.render_glb).hexdigest()
         session.flush()
-        out = tree_out(tree)  # before the file is stored: refused if it cannot be serialised
+        out = tree_out(tree)  # before the files are stored: refused if it cannot be serialised
         if revision:
-            service.stores.meshes.put(revision.glb)
-            count_stored(service.settings, len(revision.glb))
-            remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), before)
+            for column, sha256 in put_read(service, revision.read).items():
+                setattr(tree, column, sha256)
+            session.flush()
+            count_stored(service.settings, read_bytes(revision.read))
+            remove_read(session, service, before)
         return out

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import json
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from galewood_server.access import check_quota, count_stored
-from galewood_server.api.trees import remove_unshared, tree_out
+from galewood_server.api.trees import TABLE_COLUMNS, remove_unshared, tree_out
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
     UPLOAD_FORM,
@@ -25,12 +26,18 @@ from galewood_server.http import (
     read_upload,
 )
 from galewood_server.jobs import queue_job
-from galewood_server.storage import Tree, new_id, readable_rows
+from galewood_server.storage import FILE_COLUMNS, Tree, new_id, readable_rows
 
 if TYPE_CHECKING:
-    from galewood.tree import TreeMesh
+    from galewood.pipeline.stages import ReadUpload
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
+READ_COLUMNS = {
+    "mesh_sha256": (Tree.mesh_sha256,),
+    "import_sha256": (Tree.import_sha256,),
+    "beams_sha256": TABLE_COLUMNS,
+}
+"""Column of a file that an import leaves -> columns of trees that may hold the same file."""
 
 
 @router.post(
@@ -56,8 +63,8 @@ async def upload_tree(
     upload = await _receive(request, service)
     tree = await asyncio.to_thread(_find, service, upload)
     if tree is None:
-        mesh, glb = await read_mesh(service, upload.data, upload.filename, upload.changes)
-        tree, new = await asyncio.to_thread(store_tree, service, upload, mesh, glb)
+        read = await read_mesh(service, upload.data, upload.filename, upload.changes)
+        tree, new = await asyncio.to_thread(store_tree, service, upload, read)
     else:
         new = False
     response.status_code = 201 if new else 200
@@ -66,9 +73,7 @@ async def upload_tree(
     return await asyncio.to_thread(_queue_build, service, tree) if build else tree
 
 
-async def read_mesh(
-    service: Service, data: bytes, filename: str, options: ImportRequest
-) -> tuple[TreeMesh, bytes]:
+async def read_mesh(service: Service, data: bytes, filename: str, options: ImportRequest) -> ReadUpload:
     """Import a mesh in a sandboxed process; few at once.
 
     MeshError; ProblemError 503 if too many wait.
@@ -109,25 +114,40 @@ def _find_same(session: Session, source_sha256: str, options: dict[str, Any]) ->
     return next((tree for tree in trees if tree.options == options), None)
 
 
-def store_tree(service: Service, upload: Upload, mesh: TreeMesh, glb: bytes) -> tuple[TreeOut, bool]:
+def store_tree(service: Service, upload: Upload, read: ReadUpload) -> tuple[TreeOut, bool]:
     """Store an upload. Returns the tree and whether it is new: equal concurrent uploads become one tree."""
-    check_quota(service.settings, len(upload.data) + len(glb))
+    check_quota(service.settings, len(upload.data) + read_bytes(read))
     with service.files_lock:
-        return _store_both(service, upload, mesh, glb)
+        return _store_files(service, upload, read)
 
 
-def _store_both(service: Service, upload: Upload, mesh: TreeMesh, glb: bytes) -> tuple[TreeOut, bool]:
+def read_bytes(read: ReadUpload) -> int:
+    """Size of the files that an import leaves."""
+    return len(read.render_glb) + len(read.tree) + len(read.beams or b"")
+
+
+def put_read(service: Service, read: ReadUpload) -> dict[str, str | None]:
+    """Store the files that an import leaves: column of the tree -> hash."""
+    stores = service.stores
+    return {
+        "mesh_sha256": stores.meshes.put(read.render_glb),
+        "import_sha256": stores.imports.put(read.tree),
+        "beams_sha256": stores.tables.put(read.beams) if read.beams else None,
+    }
+
+
+def _store_files(service: Service, upload: Upload, read: ReadUpload) -> tuple[TreeOut, bool]:
     tree = Tree(
         name=upload.changes.name or upload.filename.rsplit(".", 1)[0] or "tree",
-        species=mesh.species,
-        height_m=mesh.height_m,
+        species=read.species,
+        height_m=read.height_m,
         filename=upload.filename,
         options=upload.changes.import_options(),
-        report=mesh.report,
+        report=read.report,
         source_sha256=service.stores.sources.put(upload.data),
-        mesh_sha256=service.stores.meshes.put(glb),
+        **put_read(service, read),
     )
-    count_stored(service.settings, len(upload.data) + len(glb))
+    count_stored(service.settings, len(upload.data) + read_bytes(read))
     with service.sessions() as session:
         ids = (_tree_id(tree.source_sha256, tree.options), new_id())
         try:
@@ -141,7 +161,14 @@ def _remove_files(session: Session, service: Service, tree: Tree) -> None:
     """Remove the files of a tree that could not be stored."""
     with suppress(SQLAlchemyError), session.begin():
         remove_unshared(session, service.stores.sources, (Tree.source_sha256,), tree.source_sha256)
-        remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), tree.mesh_sha256)
+        remove_read(session, service, {name: getattr(tree, name) for name in READ_COLUMNS})
+
+
+def remove_read(session: Session, service: Service, files: Mapping[str, str | None]) -> None:
+    """Remove files that an import has left, column -> hash, unless another tree has them."""
+    for column, sharing in READ_COLUMNS.items():
+        store = service.stores.named(FILE_COLUMNS[column])
+        remove_unshared(session, store, sharing, files.get(column))
 
 
 def _insert(session: Session, tree: Tree, ids: tuple[str, ...]) -> tuple[TreeOut, bool]:

@@ -24,6 +24,8 @@ def upgrade() -> None:
         sa.Column("report", sa.JSON, nullable=False),
         sa.Column("source_sha256", sa.String(64), nullable=False),
         sa.Column("mesh_sha256", sa.String(64)),
+        sa.Column("import_sha256", sa.String(64)),
+        sa.Column("beams_sha256", sa.String(64)),
         sa.Column("table_sha256", sa.String(64)),
         sa.Column("fingerprint", sa.String(64)),
         sa.Column("created_at", sa.DateTime(timezone=True), nullable=False),
