@@ -35,7 +35,7 @@ class Bench:
 
     def __init__(self, mesh: Path, cache_dir: Path, *, quick: bool, table: Path | None) -> None:
         self._mesh, self._cache_dir, self._quick = mesh, cache_dir, quick
-        self._options = BuildOptions(species=mesh.stem, height_m=12.0)
+        self._options = BuildOptions(species=mesh.stem, height_m=12.0, stiffness="as drawn")
         self._table = table.read_bytes() if table else None
 
     def fem(self, on_progress: OnProgress) -> Any:

@@ -156,7 +156,7 @@ export class OwnTreeDialog {
     this.painting?.finish(false);
     const { tree, uploads } = this;
     const several = new SeveralTrees(
-      { tree, assumed, uploads, firstFrequency_Hz: this.liveliness.firstFrequency_Hz },
+      { tree, assumed, uploads, settings: this.liveliness.settings },
       () => this.dialog.close(),
       () => this.dialog.close(),
     );
@@ -236,7 +236,7 @@ export class OwnTreeDialog {
     if (!fine) return;
     this.busy("Submitting");
     try {
-      await startPrecompute(this.tree.id, { first_frequency_hz: this.liveliness.firstFrequency_Hz });
+      await startPrecompute(this.tree.id, this.liveliness.settings);
       this.started = true;
       this.follow();
     } catch (error) {

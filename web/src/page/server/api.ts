@@ -9,7 +9,7 @@ export type ReportedTree = Schemas["TreeOut"];
 export type Job = Schemas["JobOut"];
 /** Corrections of an upload; null restores the detected value. */
 export type Assumptions = Schemas["TreeChanges"];
-type BuildSettings = Schemas["BuildSettings"];
+export type BuildSettings = Schemas["BuildSettings"];
 type WoodSpecies = Schemas["WoodSpeciesOut"];
 
 export const isActive = (job: Job | null): job is Job => job?.state === "queued" || job?.state === "running";
