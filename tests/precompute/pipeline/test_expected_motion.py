@@ -120,7 +120,7 @@ def test_sway_and_frequency_lead_to_the_same_stiffness(tree: TreeMesh) -> None:
 
 
 def test_a_stylised_tree_that_would_not_move_visibly_is_made_softer_by_default(tree: TreeMesh) -> None:
-    """One rule for all ways in: the options of a build without any, as a form, a program and a command send."""
+    """One rule for all ways in: that of a build without any options."""
     stiff, default = WOOD.scaled(1000), BuildOptions.model_validate({})
     expected = expected_motion(tree, stiff)
     assert expected is not None

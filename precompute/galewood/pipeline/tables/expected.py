@@ -37,7 +37,7 @@ def motion_of(tree: TreeMesh, model: BeamModel) -> dict[str, Any]:
     high, and down to half as high if the sway in a strong wind would not be visible otherwise.
     ``default_frequency_hz`` is what a build makes of it unless it is asked for something else
     (``TableRequest.stiffness``): the lively one if the tree is stylised and its motion would be barely
-    visible, else that of the wood. Scanned trees (``measured``) keep their wood, because their radii are known.
+    visible, else that of the wood. Scanned trees (``measured``) keep that: their radii are known.
     """
     first_hz, typical_hz = float(model.frequencies_hz[0]), typical_frequency_hz(tree.height_m)
     sway_m = {speed_m_s: model.steady_sway_m(speed_m_s) for speed_m_s in (BREEZE_M_S, STORM_M_S)}
@@ -84,8 +84,8 @@ def motion_lines(expected: dict[str, Any] | None, may_soften: bool = True) -> li
     if expected["visible"]:
         return lines
     lines.append(
-        "With the stiffness of its wood, the motion of this tree would be barely visible. Trees of its height "
-        f"sway at about {expected['typical_frequency_hz']:.2g} Hz."
+        "With the stiffness of its wood, the motion of this tree would be barely visible. Trees of its "
+        f"height sway at about {expected['typical_frequency_hz']:.2g} Hz."
     )
     if is_softened(expected) and may_soften:
         lines.append(

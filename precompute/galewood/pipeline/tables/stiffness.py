@@ -23,8 +23,8 @@ MIN_FACTOR, MAX_FACTOR = 1e-5, 1e4
 WIDEST_STEP = 100.0
 """Largest change of the factor in a step of the search."""
 SMALLEST_SLOPE, BEYOND = 0.02, 1.02
-"""Least growth of ln frequency with ln factor that the search believes, and how far it aims beyond the goal, so
-that the next point is on the other side of it."""
+"""Least growth of ln frequency with ln factor that the search believes, and how far it aims beyond the goal,
+so that the next point is on the other side of it."""
 
 
 @dataclass(frozen=True)
@@ -168,8 +168,8 @@ def stiffness_report(goal: Goal, factor: float, model: FemModel) -> dict[str, An
     reached_hz = _first_hz(model)
     reached = abs(math.log(reached_hz / goal.frequency_hz)) <= 2 * FREQUENCY_TOLERANCE
     warning = (
-        f"The first frequency is {reached_hz:.3g} Hz instead of {goal.frequency_hz:.3g} Hz: with no stiffness "
-        "of the wood does the tree stand and have it. Choose another frequency."
+        f"The first frequency is {reached_hz:.3g} Hz instead of {goal.frequency_hz:.3g} Hz: no stiffness of "
+        "the wood was found with which the tree stands and has it. Choose another frequency."
     )
     return {
         "factor": factor,
