@@ -1,4 +1,6 @@
 from .missing.arms import arms_of as arms_of
+from .piece_mesh import detected_faces as detected_faces
+from .pieces.colour import face_colours as face_colours
 from .repair import Surface as Surface
 from .repair import compact as compact
 from .repair import face_components as face_components
@@ -6,8 +8,11 @@ from .repair import signed_volumes as signed_volumes
 from .repair import unique_edges as unique_edges
 from .repair import volume as volume
 from .repair import weld_keeping_faces as weld_keeping_faces
+from .sandboxed import from_json_array as from_json_array
 from .sandboxed import import_mesh_sandboxed as import_mesh_sandboxed
 from .sandboxed import pieces_sandboxed as pieces_sandboxed
+from .sandboxed import to_bytes_array as to_bytes_array
+from .sandboxed import to_json_array as to_json_array
 from .types import KINDS as KINDS
 from .types import RenderPrimitive as RenderPrimitive
 from .types import TreeMesh as TreeMesh

@@ -16,6 +16,9 @@ MIN_FREQUENCY_RATIO = 0.5
 """Lowest frequency to suggest, over that of measured trees: softer trees could not carry their own weight."""
 VISIBLE_SHARE = 0.01
 """Sway in the strong wind, relative to the height, below which motion is barely visible."""
+LARGEST_LOAD_FACTOR = 2.0
+"""Weight over buckling load from which the beams say nothing: a build then changes masses and stiffness of the
+tree until it stands."""
 MOST_SOFTENED = 0.8
 """Highest frequency to soften a tree to, relative to that of its wood: a smaller change is not seen."""
 
@@ -29,8 +32,8 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None, leaves: bool = Tru
     return motion_of(tree, model)
 
 
-def motion_of(tree: TreeMesh, model: BeamModel) -> dict[str, Any]:
-    """First frequency and sway of a tree of beams; JSON-able.
+def motion_of(tree: TreeMesh, model: BeamModel) -> dict[str, Any] | None:
+    """First frequency and sway of a tree of beams; JSON-able. None, unsure, if the tree would not stand.
 
     The sway is the largest displacement under a steady wind, for a linear response; gusts add to it.
     ``typical_frequency_hz`` is that of measured trees of this height. ``lively_frequency_hz`` is at most as
@@ -39,7 +42,9 @@ def motion_of(tree: TreeMesh, model: BeamModel) -> dict[str, Any]:
     (``TableRequest.stiffness``): the lively one if the tree is stylised and its motion would be barely
     visible, else that of the wood. Scanned trees (``measured``) keep that: their radii are known.
     """
-    first_hz, typical_hz = float(model.frequencies_hz[0]), typical_frequency_hz(tree.height_m)
+    if float(model.load_factors[0]) > LARGEST_LOAD_FACTOR:
+        return None
+    first_hz, typical_hz = float(model.frequencies_hz.min()), typical_frequency_hz(tree.height_m)
     sway_m = {speed_m_s: model.steady_sway_m(speed_m_s) for speed_m_s in (BREEZE_M_S, STORM_M_S)}
     share = sway_m[STORM_M_S] / tree.height_m
     lively_hz, measured = _lively_hz(first_hz, typical_hz, share), "qsm" in tree.report
@@ -76,7 +81,7 @@ def with_expected_motion(tree: TreeMesh) -> TreeMesh:
 def motion_lines(expected: dict[str, Any] | None, may_soften: bool = True) -> list[str]:
     """The expected motion as lines to read; whether a build may soften the tree."""
     if expected is None:
-        return ["Unsure how far it sways: no beams can be laid along its branches."]
+        return ["Unsure how far it sways: no beams that stand can be laid along its branches."]
     sways = [f"{_sway_words(sway)} at {sway['wind_m_s']:g} m/s" for sway in expected["sway"]]
     lines = [
         f"expected sway {' and '.join(sways)}, first frequency about {expected['first_frequency_hz']:.2g} Hz"

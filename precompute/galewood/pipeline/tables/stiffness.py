@@ -47,7 +47,7 @@ def goal_of(tree: TreeMesh, wood: Wood, options: BuildOptions) -> Goal | None:
         return _visible_goal(tree, wood, options)
     beams = _beams(tree, wood, options)
     if asked_hz is not None:
-        return Goal(asked_hz, 1.0 if beams is None else (asked_hz / float(beams.frequencies_hz[0])) ** 2)
+        return Goal(asked_hz, 1.0 if beams is None else beams.factor_for(asked_hz))
     if beams is None:
         raise MeshError(
             "no-branches",
@@ -56,7 +56,7 @@ def goal_of(tree: TreeMesh, wood: Wood, options: BuildOptions) -> Goal | None:
             "Set its first frequency instead.",
         )
     factor = beams.steady_sway_m(STORM_M_S) / ((options.sway or math.inf) * tree.height_m)
-    return Goal(float(beams.frequencies_hz[0]) * math.sqrt(factor), factor)
+    return Goal(float(beams.frequencies_with(factor).min()), factor)
 
 
 def _visible_goal(tree: TreeMesh, wood: Wood, options: BuildOptions) -> Goal | None:
@@ -68,13 +68,13 @@ def _visible_goal(tree: TreeMesh, wood: Wood, options: BuildOptions) -> Goal | N
     if not options.may_soften or "qsm" in tree.report:
         return None
     beams = _beams(tree, wood, options)
-    if beams is None:
+    expected = None if beams is None else motion_of(tree, beams)
+    if beams is None or expected is None:
         return Goal(typical_frequency_hz(tree.height_m), 1.0, "as measured trees of its height", at_most=True)
-    expected = motion_of(tree, beams)
     if not is_softened(expected):
         return None
     hertz = float(expected["default_frequency_hz"])
-    return Goal(hertz, (hertz / float(beams.frequencies_hz[0])) ** 2, "for visible motion")
+    return Goal(hertz, beams.factor_for(hertz), "for visible motion")
 
 
 def _beams(tree: TreeMesh, wood: Wood, options: BuildOptions) -> BeamModel | None:
