@@ -11,6 +11,7 @@ import {
   Problem,
   type ReportedTree,
   startPrecompute,
+  thumbnailUrl,
 } from "../server/api";
 import { IMPORT_LIMITS } from "../server/schema";
 import { make } from "../ui/dom";
@@ -72,7 +73,10 @@ export class OwnTreeDialog {
     this.dialog.setAttribute("aria-labelledby", this.title.id);
     this.message.setAttribute("role", "status");
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "Detected parts: wood in brown, leaves in green, left out in red, unsure hatched");
+    this.canvas.setAttribute(
+      "aria-label",
+      "Detected parts: wood in brown, leaves in green, left out in red, unsure hatched",
+    );
     const away = button("Discard", () => this.dialog.close());
     this.go.type = "button";
     this.go.addEventListener("click", () => void this.compute());

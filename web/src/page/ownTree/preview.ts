@@ -61,7 +61,7 @@ export class Preview {
     this.tree = new Group();
     this.tree.add(...model.parts.map(meshOf));
     this.rows = model.parts.map((part, k) => rowsOfVertices(vertexPieces[k] ?? [], part.vertices));
-    this.meshes.forEach((mesh, k) => hatchUnsure(mesh, this.rows[k], pieces));
+    for (const [k, mesh] of this.meshes.entries()) hatchUnsure(mesh, this.rows[k], pieces);
     this.tree.visible = !this.hidden;
     this.stage.scene.add(this.tree);
     this.frame = model;

@@ -50,7 +50,11 @@ export function hatchUnsure(
 }
 
 /** The faces whose row is left out. Pure. */
-export function leftOutFaces(index: ArrayLike<number>, row: (vertex: number) => number, kinds: readonly string[]): number[] {
+export function leftOutFaces(
+  index: ArrayLike<number>,
+  row: (vertex: number) => number,
+  kinds: readonly string[],
+): number[] {
   const kept: number[] = [];
   for (let k = 0; k + 2 < index.length; k += 3)
     if (kinds[row(index[k])] === "other") kept.push(index[k], index[k + 1], index[k + 2]);
@@ -64,7 +68,11 @@ export function leftOutOf({ parts, table }: PieceModel, { origin, metresPerUnit 
   for (const { geometry, map } of parts) {
     map?.dispose();
     const rows = geometry.getAttribute("piece");
-    const faces = leftOutFaces(geometry.index?.array ?? [], (vertex) => Math.round(rows.getX(vertex)), table.kind);
+    const faces = leftOutFaces(
+      geometry.index?.array ?? [],
+      (vertex) => Math.round(rows.getX(vertex)),
+      table.kind,
+    );
     if (faces.length === 0) continue;
     const drawn = new BufferGeometry();
     drawn.setAttribute("position", geometry.getAttribute("position"));
@@ -79,7 +87,12 @@ export function leftOutOf({ parts, table }: PieceModel, { origin, metresPerUnit 
 /** What the colours mean. */
 export function splitLegend(): HTMLElement {
   const legend = make("p", "", "own-tree-legend");
-  for (const [name, words] of [["wood", "wood"], ["leaves", "leaves"], ["other", "left out"], ["hatched", "unsure"]]) {
+  for (const [name, words] of [
+    ["wood", "wood"],
+    ["leaves", "leaves"],
+    ["other", "left out"],
+    ["hatched", "unsure"],
+  ]) {
     const entry = make("span");
     entry.append(make("span", "", `own-tree-swatch ${name}`), words);
     legend.append(entry);

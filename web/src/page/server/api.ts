@@ -122,6 +122,10 @@ export async function changeAssumptions(treeId: string, assumptions: Assumptions
   return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as ReportedTree;
 }
 
+/** A picture of a tree in its own colours; another mesh has another address. */
+export const thumbnailUrl = ({ id, mesh_sha256 }: { id: string; mesh_sha256: string | null }): string =>
+  `api/trees/${encodeURIComponent(id)}/thumbnail?mesh=${mesh_sha256?.slice(0, 12) ?? ""}`;
+
 /** All pieces of an upload's tree as a GLB, also those that are left out. */
 export async function fetchPieces(treeId: string): Promise<ArrayBuffer> {
   const path = `api/trees/${encodeURIComponent(treeId)}/pieces`;
