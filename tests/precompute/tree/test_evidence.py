@@ -212,7 +212,12 @@ def test_small_plants_keep_a_plausible_height():
 
 def test_a_bush_without_a_name_keeps_its_height_and_is_asked_about():
     """All leaves and no trunk: 1.3 m high it is a bush, not a tree of 10 m in another unit."""
-    for raw, height_m, unsure in ((1.3, 1.3, True), (2.5, 2.5, False), (12.0, 12.0, False), (0.02, 1.5, True)):
+    for raw, height_m, unsure in (
+        (1.3, 1.3, True),
+        (2.5, 2.5, False),
+        (12.0, 12.0, False),
+        (0.02, 1.5, True),
+    ):
         scale, choice = choose_scale(raw, None, ImportRequest(), "bush", named=False)
         assert (raw * scale, choice.unsure) == (pytest.approx(height_m), unsure)
     spread = np.random.default_rng(7).normal(size=(300, 3))

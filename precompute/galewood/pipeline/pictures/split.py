@@ -23,9 +23,7 @@ STRIPE_PX, LEGEND_PX = 5, 32
 INK, PAPER = (40, 46, 50, 255), (255, 255, 255, 255)
 
 
-def check_picture(
-    tree_png: bytes, data: bytes, filename: str, options: ImportRequest, side_px: int
-) -> bytes:
+def check_picture(tree_png: bytes, data: bytes, filename: str, options: ImportRequest, side_px: int) -> bytes:
     """A picture of an imported tree, and beside it what was detected in its file. Raises MeshError."""
     request = {"filename": filename, "options": options.model_dump(exclude_none=True), "side_px": side_px}
     result = run_limited(

@@ -18,7 +18,14 @@ from galewood.solid.beams import Frame, FrameModes, frame_modes, joined_frame
 from galewood.solid.fem import LEAST_PROFILE, remaining_share
 from galewood.solid.model.construction import GRAVITY_M_S2, STIFFNESS_FLOOR
 from galewood.solid.model.foliage import crown_loads
-from galewood.solid.skeleton import CLAMPED_SHARE, Outline, branch_lines, is_chained, joined_outline, outline_of
+from galewood.solid.skeleton import (
+    CLAMPED_SHARE,
+    Outline,
+    branch_lines,
+    is_chained,
+    joined_outline,
+    outline_of,
+)
 from galewood.solid.skinning import LARGEST_RIGID_PIECE, Axis, axis_of_frame, leading_vertices
 from galewood.solid.tets import MIN_RADIUS_SHARE
 from galewood.tree import RenderPrimitive, TreeMesh

@@ -70,9 +70,7 @@ def is_chained(vertices_m: Floats, faces: Ints) -> bool:
     spacing_m = max(float(np.median(radius_m)), float(np.ptp(vertices_m[:, 1])) / FINEST_SPACING)
     skin, face = scattered(Surface(vertices_m, faces), spacing_m)
     of_skin, tree = of_face[face], KDTree(skin)
-    links = sum(
-        _has_others(_ends(vertices_m[piece == k]), k, tree, of_skin, radius_m) for k in range(count)
-    )
+    links = sum(_has_others(_ends(vertices_m[piece == k]), k, tree, of_skin, radius_m) for k in range(count))
     return links >= LINKED_SHARE * count
 
 
