@@ -45,7 +45,7 @@ def pieces_glb(data: bytes, filename: str, options: ImportRequest | None = None)
 
 @dataclass(frozen=True)
 class DetectedFaces:
-    """Faces of a tree and of what is left out: corners (k, 3, 3), y up, kinds (k,), and which are uncertain."""
+    """Faces of a tree and of what is left out: corners (k, 3, 3), y up, kinds (k,), which are uncertain."""
 
     corners: Floats
     kind: list[str]

@@ -139,7 +139,7 @@ def test_a_stylised_tree_that_would_not_move_visibly_is_made_softer_by_default(t
 
 
 def goal_factor(tree: TreeMesh, wood: Wood, hertz: float) -> float:
-    return (hertz / float(beam_model(tree, wood).frequencies_hz[0])) ** 2
+    return beam_model(tree, wood).factor_for(hertz)
 
 
 def test_wood_that_is_known_keeps_its_stiffness(tree: TreeMesh) -> None:

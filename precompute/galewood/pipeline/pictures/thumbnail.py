@@ -63,7 +63,7 @@ def draw(parts: list[RawPart], side_px: int = SIDE_PX, added: Floats | None = No
 def painted(
     triangles: Floats, colours: Floats, side_px: int, marked: NDArray[np.bool_] | None = None
 ) -> tuple[Image.Image, Image.Image]:
-    """Triangles (k, 3, 3) in colours (k, 3), shaded, back to front; and a mask of the ``marked`` ones (k,)."""
+    """Triangles (k, 3, 3) in colours (k, 3), shaded, back to front; and a mask of those ``marked`` (k,)."""
     side = side_px * OVERSAMPLING_FACTOR
     image, mask = Image.new("RGBA", (side, side)), Image.new("L", (side, side))
     pen, marker = ImageDraw.Draw(image), ImageDraw.Draw(mask)

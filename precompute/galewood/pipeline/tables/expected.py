@@ -17,8 +17,8 @@ MIN_FREQUENCY_RATIO = 0.5
 VISIBLE_SHARE = 0.01
 """Sway in the strong wind, relative to the height, below which motion is barely visible."""
 LARGEST_LOAD_FACTOR = 2.0
-"""Weight over buckling load from which the beams say nothing: a build then changes masses and stiffness of the
-tree until it stands."""
+"""Weight over buckling load from which the beams say nothing: a build then changes masses and stiffness of
+the tree until it stands."""
 MOST_SOFTENED = 0.8
 """Highest frequency to soften a tree to, relative to that of its wood: a smaller change is not seen."""
 

@@ -91,8 +91,8 @@ class BeamModel:
         return self.sway_m(float(dynamic_pressure(wind_m_s, self.streamlined_exponent)))
 
     def sway_m(self, pressure_pa: float) -> float:
-        """Largest displacement under a steady pressure along x or z, m, for a linear response."""
-        still = self.load / (2 * np.pi * self.frequencies_hz[:, None]) ** 2
+        """Largest displacement under a steady pressure along x or z, m: linear, without weight."""
+        still = self.load / (2 * np.pi * self.weightless_hz[:, None]) ** 2
         bent = pressure_pa * np.einsum("kd,kni->dni", still, self.shapes)
         return float(np.linalg.norm(bent, axis=2).max())
 

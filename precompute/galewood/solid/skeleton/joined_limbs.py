@@ -1,4 +1,4 @@
-"""Branches of a tree whose limbs are drawn as many closed surfaces that overlap, such as cylinders end to end.
+"""Branches of a tree whose limbs are drawn as many closed surfaces that overlap, such as cylinders.
 
 Level sets of such a surface are those of the single cylinders. So the limbs are joined first, as the mesher
 does: thin ones are thickened, and a distance grid gives one surface around all. The radii are then corrected
@@ -57,7 +57,7 @@ def _owners(joined: Surface, traced: TracedSurface) -> Int32s:
 
 
 def is_chained(vertices_m: Floats, faces: Ints) -> bool:
-    """Whether limbs are chains of closed surfaces: of hundreds, or many have another one at both of their ends.
+    """Whether limbs are chains of closed surfaces: of hundreds, or many have another one at both ends.
 
     A limb that is one surface has its parent at its base, and nothing at its tip.
     """
@@ -84,7 +84,7 @@ def _ends(points_m: Floats) -> Floats:
 
 
 def _has_others(ends_m: Floats, own: int, skin: KDTree, of_skin: Ints, radius_m: Floats) -> bool:
-    """Whether there is another piece at both ends of a piece: no farther than its surface is from its axis."""
+    """Whether another piece is at both ends of a piece: no farther than its surface is from its axis."""
     gap, near = skin.query(ends_m, k=min(NEIGHBOURS, len(of_skin)))
     other = of_skin[near]
     reach = REACH_RADII * np.maximum(radius_m[other], radius_m[own])
