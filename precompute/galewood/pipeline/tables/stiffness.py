@@ -22,7 +22,7 @@ MIN_FACTOR, MAX_FACTOR = 1e-5, 1e4
 """Limits of the factor of the stiffness."""
 WIDEST_STEP = 100.0
 """Largest change of the factor in a step of the search."""
-SMALLEST_SLOPE, BEYOND = 0.02, 1.02
+SMALLEST_SLOPE, AIM_RATIO = 0.02, 1.02
 """Least growth of ln frequency with ln factor that the search believes, and how far it aims beyond the goal,
 so that the next point is on the other side of it."""
 
@@ -148,7 +148,7 @@ class _Search:
         if len(self._points) > 1:
             before_x, before_y = self._points[-2]
             slope = min(max((y - before_y) / (x - before_x), SMALLEST_SLOPE), 0.5)
-        step = min(max(-BEYOND * y / slope, -math.log(WIDEST_STEP)), math.log(WIDEST_STEP))
+        step = min(max(-AIM_RATIO * y / slope, -math.log(WIDEST_STEP)), math.log(WIDEST_STEP))
         return _limited(math.exp(x + step))
 
 

@@ -25,7 +25,7 @@ FEWEST_PIECES, MANY_PIECES, LINKED_SHARE = 12, 100, 0.4
 """Of a tree of chains: so many pieces at least, without further signs, and share with others at both ends."""
 END_SHARE = 0.02
 """Part of the length of a piece that is its end."""
-NEIGHBOURS, REACH_RADII = 64, 1.6
+NEIGHBOUR_COUNT, REACH_RADII = 64, 1.6
 FINEST_SPACING = 400
 """Least distance of the points on the surface, as a part of the height."""
 
@@ -85,7 +85,7 @@ def _ends(points_m: Floats) -> Floats:
 
 def _has_others(ends_m: Floats, own: int, skin: KDTree, of_skin: Ints, radius_m: Floats) -> bool:
     """Whether another piece is at both ends of a piece: no farther than its surface is from its axis."""
-    gap, near = skin.query(ends_m, k=min(NEIGHBOURS, len(of_skin)))
+    gap, near = skin.query(ends_m, k=min(NEIGHBOUR_COUNT, len(of_skin)))
     other = of_skin[near]
     reach = REACH_RADII * np.maximum(radius_m[other], radius_m[own])
     return bool(((other != own) & (gap <= reach)).any(axis=1).all())
