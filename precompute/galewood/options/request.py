@@ -25,6 +25,7 @@ from galewood.util import shown_text
 from galewood.wood import SPECIES, Wood, WoodDocument, wood_of_species
 
 Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
+Stiffness = Literal["visible", "as drawn"]
 PartName = Annotated[str, StringConstraints(min_length=1, max_length=200), AfterValidator(shown_text)]
 """A name, cleaned as those of the file are, so that it still means the same part; or the id of a piece."""
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
@@ -140,19 +141,25 @@ class TableRequest(BaseModel):
         le=1e9,
         description="Rotational stiffness of the root plate, kN·m/rad; default: rigid ground.",
     )
+    stiffness: Stiffness = Field(
+        default="visible",
+        description="visible: a stylised tree whose motion would be barely visible gets softer wood, with "
+        "the first frequency of real trees of its height; scanned trees keep that of their wood. "
+        "as drawn: the stiffness of the wood.",
+    )
     first_frequency_hz: float | None = Field(
         default=None,
         ge=0.02,
         le=30,
         description="Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; "
-        "default: the stiffness of its wood.",
+        "default: as stiffness says.",
     )
     sway: float | None = Field(
         default=None,
         ge=0.001,
         le=0.3,
         description="Scale the stiffness of the wood so that a steady wind of 18 m/s bends the tree by this "
-        "share of its height; default: the stiffness of its wood.",
+        "share of its height; default: as stiffness says.",
     )
     wood: WoodDocument | None = Field(
         default=None, description="Custom wood properties; they take precedence over the species."
@@ -172,6 +179,13 @@ class TableRequest(BaseModel):
     def wood_of(self, species: str | None) -> Wood:
         """The requested wood, else that of a species; None: an average one."""
         return self.own_wood or wood_of_species(species or "default")
+
+    @property
+    def may_soften(self) -> bool:
+        """Whether the stiffness is left to the build: nothing else is asked for, and no modulus is given."""
+        given = self.wood is not None and self.wood.young_longitudinal_pa is not None
+        asked = self.first_frequency_hz is not None or self.sway is not None
+        return self.stiffness == "visible" and not asked and not given
 
     @property
     def root_stiffness_nm_rad(self) -> float | None:

@@ -1,6 +1,8 @@
 from .importer import read_tree as read_tree
 from .importer import render_glb as render_glb
 from .missing.arms import arms_of as arms_of
+from .piece_mesh import detected_faces as detected_faces
+from .pieces.detection.colour import face_colours as face_colours
 from .repair import Surface as Surface
 from .repair import compact as compact
 from .repair import face_components as face_components
@@ -8,9 +10,12 @@ from .repair import signed_volumes as signed_volumes
 from .repair import unique_edges as unique_edges
 from .repair import volume as volume
 from .repair import weld_keeping_faces as weld_keeping_faces
+from .sandboxed import from_json_array as from_json_array
 from .sandboxed import import_mesh_sandboxed as import_mesh_sandboxed
 from .sandboxed import pack_tree as pack_tree
 from .sandboxed import pieces_sandboxed as pieces_sandboxed
+from .sandboxed import to_bytes_array as to_bytes_array
+from .sandboxed import to_json_array as to_json_array
 from .sandboxed import unpack_tree as unpack_tree
 from .types import KINDS as KINDS
 from .types import RenderPrimitive as RenderPrimitive

@@ -62,8 +62,9 @@ def read_tree(data: bytes, filename: str, options: ImportRequest | None = None) 
         drawn, pieces = pieces, without_strays(pieces, wood.vertices, bodies)
         questions += _lost(_face_count(drawn), _face_count(pieces))
     raw_height = content.qsm["height_m"] if content.qsm else _height(pieces)
-    habit = _habit(filename, classified)
-    scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options, habit)
+    habit = _named_habit(filename, classified)
+    size = raw_height, species, options, habit or ("bush" if wood is None else None), habit is not None
+    scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(*size)
     origin = _base_centre(wood) if wood else foot_of_leaves([s.part for s in pieces])[0]
     pieces = [replace(s, part=_transformed(s.part, np.eye(3), origin, scale)) for s in pieces]
     grown = _completed(wood, origin, scale, pieces, False if content.qsm else options.complete)
@@ -136,7 +137,7 @@ def classify_content(
     return parts, up, classify(parts, options, content.qsm is not None, turned)
 
 
-def _habit(filename: str, found: Classification) -> str | None:
+def _named_habit(filename: str, found: Classification) -> str | None:
     """A kind of plant that is smaller than trees, if names say so, or a pot stands under it."""
     labels = dict.fromkeys(label for group in found.groups for label in group.labels)
     potted = any(group.what == "pot" for group in found.groups)

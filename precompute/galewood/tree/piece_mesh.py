@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from galewood.formats import Material, RawPart, read_parts
 from galewood.options import ImportRequest
@@ -13,7 +14,7 @@ from galewood.tree.importer import classify_content
 from galewood.tree.pieces.classification import Classification
 from galewood.tree.render_mesh import GlbWriter
 from galewood.tree.types import RenderPrimitive
-from galewood.util import Ints
+from galewood.util import Floats, Ints
 
 CUT_OUT = 0.02  # parts of which less is cut out by alpha need no texture
 
@@ -40,6 +41,27 @@ def pieces_glb(data: bytes, filename: str, options: ImportRequest | None = None)
             writer.add(made, row_of_vertex)
     writer.document["extras"] = {"pieces": listed}
     return writer.glb()
+
+
+@dataclass(frozen=True)
+class DetectedFaces:
+    """Faces of a tree and of what is left out: corners (k, 3, 3), y up, kinds (k,), which are uncertain."""
+
+    corners: Floats
+    kind: list[str]
+    unsure: NDArray[np.bool_]
+
+
+def detected_faces(data: bytes, filename: str, options: ImportRequest | None = None) -> DetectedFaces:
+    """What was detected in a file, without its other trees. Raises MeshError."""
+    options = options or ImportRequest()
+    parts, _, found = classify_content(read_parts(data, filename, options), options)
+    corners = np.concatenate([part.positions[part.faces] for part in parts])
+    groups = [found.groups[g] for g in np.concatenate(found.group_of_face).tolist()]
+    shown = np.array([group.tree in (0, found.tree) for group in groups])
+    kept = [group for group in groups if group.tree in (0, found.tree)]
+    unsure = np.array([not (group.sure or group.chosen) for group in kept], dtype=bool)
+    return DetectedFaces(corners[shown], [group.kind for group in kept], unsure)
 
 
 def _rows(found: Classification) -> tuple[Ints, dict[str, list[Any]]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from galewood.options import MIN_HEIGHT_M, ImportRequest
 from galewood.tree.axis import Choice
 
@@ -19,15 +21,24 @@ METRES_PER_UNIT = (("m", 1.0), ("cm", 0.01), ("mm", 0.001))
 
 
 def choose_scale(
-    raw_height: float, species: str | None, options: ImportRequest, habit: str | None = None
+    raw_height: float,
+    species: str | None,
+    options: ImportRequest,
+    habit: str | None = None,
+    named: bool = True,
 ) -> tuple[float, Choice]:
-    """Metres per file unit, and the reason for the choice. `habit` is a kind of small plant in HABITS_M."""
+    """Metres per file unit, and the reason for the choice. `habit` is a kind of small plant in HABITS_M.
+
+    One that is not `named`, but guessed from its shape, is asked about, unless a tree would have that height.
+    """
     if options.height_m is not None:
         return options.height_m / raw_height, Choice(
             "given", f"scaled to the given {options.height_m:g} m", False
         )
     if habit and (small := _small(raw_height, *HABITS_M[habit][:2], habit)):
-        return small
+        scale, choice = small
+        sure = named or raw_height * scale >= UNIT_BANDS[0][1]
+        return scale, choice if sure else replace(choice, unsure=True)
     if habit == "bonsai":
         return _scaled(raw_height, HABITS_M[habit][2], habit, unsure=True)
     for unit, low, high, metres in UNIT_BANDS:

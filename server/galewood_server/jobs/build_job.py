@@ -21,6 +21,7 @@ from sqlalchemy.orm import Session
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
+from galewood_server.jobs.model_job import usual_options
 from galewood_server.jobs.processes import lower_priority
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.jobs.queue import end_job
@@ -67,12 +68,12 @@ class BuildInputs:
 def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildInputs:
     """The inputs of a job: its tree's mesh and options, overridden by the job's settings.
 
-    A built-in tree also gets a table without its leaves. JobFailedError if the mesh is lost.
+    JobFailedError if the mesh is lost.
     """
     with sessions() as session:
         job = session.get_one(Job, job_id)
         tree = job.tree
-        options = BuildOptions.model_validate({"bare_table": tree.builtin, **tree.options, **job.settings})
+        options = BuildOptions.model_validate({**usual_options(tree), **tree.options, **job.settings})
         source = imported_tree(stores, tree, options)
         return BuildInputs(
             tree_id=tree.id,

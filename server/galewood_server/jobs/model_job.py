@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from galewood.pipeline.results import BUILTIN_OPTIONS
 from galewood.solid.fem import save_model
 
 from galewood_server.jobs.progress import JobLease, ProgressReporter
@@ -39,13 +40,20 @@ def _compute(job_lease: JobLease, settings: Settings, stores: Stores) -> bytes:
 
     with job_lease.sessions() as session:
         tree = session.get_one(Job, job_lease.job_id).tree
-        options = BuildOptions.model_validate({**tree.options, **settings_of_table(tree)})
+        options = BuildOptions.model_validate(
+            {**usual_options(tree), **tree.options, **settings_of_table(tree)}
+        )
         source, filename = stored_bytes(stores, "sources", tree.source_sha256, tree.filename), tree.filename
     model = model_of(source, filename, options, settings.cache_dir)
     with tempfile.TemporaryDirectory(prefix="galewood-model-") as folder:
         path = Path(folder) / "model.npz"
         save_model(model, path)
         return path.read_bytes()
+
+
+def usual_options(tree: Tree) -> dict[str, Any]:
+    """Options of the builds of a tree, unless it or a job has others."""
+    return BUILTIN_OPTIONS if tree.builtin else {}
 
 
 def settings_of_table(tree: Tree) -> dict[str, Any]:

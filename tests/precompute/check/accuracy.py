@@ -45,6 +45,7 @@ def build(
     """Build a species as `galewood build` does, without the comparison with the quadratic reference."""
     options = BuildOptions(
         species=name,
+        stiffness="as drawn",
         design_speed_m_s=design_speed_m_s,
         target_tets=target_tets,
         reference_frames=0,

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from galewood.io.cli.commands import app
 from galewood.options import BuildRequest, ImportRequest
+from galewood.pipeline.results import BUILTIN_OPTIONS, SHIPPED_FOLDER, read_shipped
+from galewood.pipeline.stages import builtin_meshes
 from galewood.pipeline.stages.kernel_compilation import small_tree_obj
 from galewood.pipeline.tables import BuildOptions, expected_motion, motion_lines
 from galewood.pipeline.tables.expected import length_words
 from galewood.pipeline.tables.stiffness import Goal, goal_of, scaled_to
 from galewood.solid.beams import frame_modes
+from galewood.solid.fem import FemModel
 from galewood.solid.model import beam_model, typical_frequency_hz
 from galewood.tree import TreeMesh
 from galewood.tree.importer import read_tree
 from galewood.util import MeshError
-from galewood.wood import wood_of_species
+from galewood.wood import Wood, WoodDocument, wood_of_species
 from typer.testing import CliRunner
 
 from tests.precompute.fixtures.labelled import shapes as shapes
@@ -71,10 +76,14 @@ def twiggy(least_m: float) -> TreeMesh:
 
 
 def test_twigs_drawn_to_a_point_do_not_make_a_tree_limp() -> None:
-    """A twig of a micrometre would hang like a thread under its leaves, whatever the trunk is."""
-    drawn, stout = (expected_motion(twiggy(least_m)) for least_m in (1e-5, 0.006))
-    assert drawn is not None and stout is not None
-    assert drawn["first_frequency_hz"] == pytest.approx(stout["first_frequency_hz"], rel=0.2)
+    """A twig of a micrometre would hang like a thread under its leaves, whatever the trunk is.
+
+    Even stout ones do not bear these cards, so that nothing is said of the motion of either tree.
+    """
+    trees = [twiggy(least_m) for least_m in (1e-5, 0.006)]
+    drawn, stout = (beam_model(tree, wood_of_species(tree.species or "default")) for tree in trees)
+    assert float(drawn.frequencies_hz[0]) == pytest.approx(float(stout.frequencies_hz[0]), rel=0.2)
+    assert [expected_motion(tree) for tree in trees] == [None, None]
 
 
 def test_lengths_are_told_without_exponents() -> None:
@@ -82,7 +91,9 @@ def test_lengths_are_told_without_exponents() -> None:
     assert words == ["less than 0.1 mm", "2 mm", "9 mm", "1 cm", "6 cm", "2.3 m"]
     sway = {"wind_m_s": 10, "sway_m": 2e-6, "share": 8e-7}
     known = {"first_frequency_hz": 5.0, "typical_frequency_hz": 1.0, "lively_frequency_hz": 0.5}
-    told = motion_lines({**known, "sway": [sway], "visible": False})
+    told = motion_lines(
+        {**known, "default_frequency_hz": 0.5, "measured": False, "sway": [sway], "visible": False}
+    )
     assert "e-" not in " ".join(told)
 
 
@@ -109,23 +120,113 @@ def test_sway_and_frequency_lead_to_the_same_stiffness(tree: TreeMesh) -> None:
     by_frequency = goal_of(tree, WOOD, BuildOptions(first_frequency_hz=by_sway.frequency_hz))
     assert by_frequency is not None
     assert by_frequency.factor == pytest.approx(by_sway.factor, rel=1e-6)
-    assert goal_of(tree, WOOD, BuildOptions()) is None
+    assert goal_of(tree, WOOD, BuildOptions(stiffness="as drawn")) is None
 
 
-class Spring:
-    """A model whose frequency follows its stiffness, less a part that does not: its weight."""
-
-    def __init__(self, modulus_pa: float) -> None:
-        hertz = math.sqrt(max(modulus_pa / WOOD.young_longitudinal_pa - 0.02, 1e-9))
-        self.report = {"frequencies_hz": [hertz]}
-
-
-def test_the_weight_of_the_tree_is_corrected_for() -> None:
-    model, wood = scaled_to(Goal(0.4, 0.4**2), WOOD, lambda wood: Spring(wood.young_longitudinal_pa))  # type: ignore[arg-type]
-    assert model.report["frequencies_hz"][0] == pytest.approx(0.4, rel=0.02)
-    assert model.report["stiffness"]["factor"] == pytest.approx(
-        wood.young_longitudinal_pa / WOOD.young_longitudinal_pa
+def test_a_stylised_tree_that_would_not_move_visibly_is_made_softer_by_default(tree: TreeMesh) -> None:
+    """One rule for all ways in: that of a build without any options."""
+    stiff, default = WOOD.scaled(1000), BuildOptions.model_validate({})
+    expected = expected_motion(tree, stiff)
+    assert expected is not None
+    goal = goal_of(tree, stiff, default)
+    assert goal is not None
+    assert goal.frequency_hz == expected["default_frequency_hz"] == expected["lively_frequency_hz"]
+    assert expected["typical_frequency_hz"] / 2 <= goal.frequency_hz <= expected["typical_frequency_hz"]
+    assert "softer" in " ".join(motion_lines(expected))
+    softer = expected_motion(tree, stiff.scaled(goal.factor))
+    assert softer is not None
+    assert softer["sway"][1]["share"] >= 0.004
+    assert goal_of(tree, stiff, BuildOptions(first_frequency_hz=3.0)) == Goal(
+        3.0, goal_factor(tree, stiff, 3.0)
     )
+    assert goal_of(tree, stiff, BuildOptions(stiffness="as drawn")) is None
+
+
+def goal_factor(tree: TreeMesh, wood: Wood, hertz: float) -> float:
+    return beam_model(tree, wood).factor_for(hertz)
+
+
+def test_wood_that_is_known_keeps_its_stiffness(tree: TreeMesh) -> None:
+    """Radii of a scanned tree are measured, a modulus in a wood document is given."""
+    stiff = WOOD.scaled(1000)
+    scanned = replace(tree, report=tree.report | {"qsm": {}})
+    expected = expected_motion(scanned, stiff)
+    assert expected is not None and not expected["visible"]
+    assert expected["default_frequency_hz"] == expected["first_frequency_hz"]
+    assert goal_of(scanned, stiff, BuildOptions()) is None
+    assert "scanned" in " ".join(motion_lines(expected))
+    document = WoodDocument(name="mine", young_longitudinal_pa=5e10)
+    assert goal_of(tree, document.wood().scaled(100), BuildOptions(wood=document)) is None
+    assert goal_of(tree, stiff, BuildOptions(wood=WoodDocument(name="dense", density_kg_m3=900))) is not None
+
+
+def test_builtin_trees_keep_their_wood_and_their_keys() -> None:
+    species = Path(__file__).resolve().parents[3] / "assets/species"
+    for mesh in builtin_meshes(species):
+        assert read_shipped(species / SHIPPED_FOLDER, mesh.name, mesh.key) is not None
+        assert BuildOptions.model_validate({**BUILTIN_OPTIONS, **mesh.options}).stiffness == "as drawn"
+
+
+def spring(hertz: float) -> FemModel:
+    """Stands for a model with this first frequency."""
+    return cast(FemModel, SimpleNamespace(report={"frequencies_hz": [hertz]}))
+
+
+def heavy(factor: float) -> float:
+    """The weight takes a constant part of the stiffness."""
+    return math.sqrt(max(factor - 0.02, 1e-9))
+
+
+def supported(factor: float) -> float:
+    """Soft wood is stiffened so that the tree stands: the frequency follows a small power of the factor."""
+    return 0.3 * factor**0.08 if factor < 0.1 else 0.3 * 0.1**0.08 * (factor / 0.1) ** 0.5
+
+
+def jumping(factor: float) -> float:
+    """A smaller mass of the twigs above a factor: the frequency jumps, but not over the requested one."""
+    return math.sqrt(factor) * (1.3 if factor > 0.2 else 1.0)
+
+
+@pytest.mark.parametrize("hertz", [heavy, supported, jumping])
+@pytest.mark.parametrize("wanted_hz", [0.22, 0.4])
+@pytest.mark.parametrize("guess", [1e-3, 0.16, 30.0])
+def test_a_requested_frequency_is_met_within_a_hundredth(
+    hertz: Callable[[float], float], wanted_hz: float, guess: float
+) -> None:
+    built: list[float] = []
+
+    def build(factor: float) -> FemModel:
+        built.append(factor)
+        return spring(hertz(factor))
+
+    model, factor = scaled_to(Goal(wanted_hz, guess), build)
+    assert model.report["frequencies_hz"][0] == pytest.approx(wanted_hz, rel=0.01)
+    assert len(built) <= 10
+    assert model.report["frequencies_hz"][0] == hertz(factor)
+    assert model.report["stiffness"]["factor"] == factor
+    assert "warning" not in model.report["stiffness"]
+
+
+def test_a_frequency_that_no_stiffness_gives_is_told() -> None:
+    model, _ = scaled_to(Goal(0.5, 0.2), lambda factor: spring(0.7 + 0.1 * factor))
+    assert model.report["frequencies_hz"][0] == pytest.approx(0.7, rel=0.01)
+    assert "instead of 0.5 Hz" in model.report["stiffness"]["warning"]
+
+
+def test_without_beams_a_tree_is_at_most_as_stiff_as_measured_ones(
+    tree: TreeMesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*args: object, **kwargs: object) -> None:
+        raise ValueError("no branches")
+
+    monkeypatch.setattr("galewood.pipeline.tables.stiffness.beam_model", fails)
+    goal = goal_of(tree, WOOD, BuildOptions())
+    assert goal is not None
+    assert goal.frequency_hz == typical_frequency_hz(tree.height_m)
+    stiff, _ = scaled_to(goal, lambda factor: spring(9 * math.sqrt(factor)))
+    assert stiff.report["frequencies_hz"][0] == pytest.approx(goal.frequency_hz, rel=0.01)
+    limp, factor = scaled_to(goal, lambda factor: spring(0.5 * math.sqrt(factor)))
+    assert factor == 1 and limp.report["frequencies_hz"] == [0.5]
 
 
 def test_beams_without_a_frequency_say_nothing(tree: TreeMesh, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from galewood.tree.species_names import guess_species, named_habit
 from galewood.tree.surface import _chained, solid_wood
 from galewood.tree.unit import choose_scale
 
-from tests.precompute.fixtures.labelled.looks import OTHER, Part
+from tests.precompute.fixtures.labelled.looks import OTHER, Look, Part
 from tests.precompute.fixtures.labelled.parts import broadleaf, trunk
 from tests.precompute.fixtures.labelled.shapes import Shape, ball, box, cards, in_ball, together, tube
 from tests.precompute.fixtures.labelled.trees import STYLES, LabelledFile, labelled_file
@@ -224,6 +224,24 @@ def test_small_plants_keep_a_plausible_height():
     ):
         scale, choice = choose_scale(raw, None, ImportRequest(), habit)
         assert (raw * scale, choice.unsure) == (pytest.approx(height_m), unsure)
+
+
+def test_a_bush_without_a_name_keeps_its_height_and_is_asked_about():
+    """All leaves and no trunk: 1.3 m high it is a bush, not a tree of 10 m in another unit."""
+    for raw, height_m, unsure in (
+        (1.3, 1.3, True),
+        (2.5, 2.5, False),
+        (12.0, 12.0, False),
+        (0.02, 1.5, True),
+    ):
+        scale, choice = choose_scale(raw, None, ImportRequest(), "bush", named=False)
+        assert (raw * scale, choice.unsure) == (pytest.approx(height_m), unsure)
+    spread = np.random.default_rng(7).normal(size=(300, 3))
+    centres = 0.55 * spread / np.linalg.norm(spread, axis=1, keepdims=True) + np.array([0, 0.65, 0])
+    shape = cards(np.random.default_rng(7), centres, 0.12)
+    tree = read_tree(write_obj([Part("thing", "leaves", shape, Look(factor=(0.1, 0.3, 0.05, 1.0)))]), "a.obj")
+    assert tree.height_m == pytest.approx(1.3, abs=0.25)
+    assert tree.report["needs_review"] and "size" in " ".join(tree.report["questions"])
 
 
 def test_patches_of_bark_and_the_arms_of_a_cactus_are_wood():

@@ -39,7 +39,7 @@ class Bench:
     def __init__(self, mesh: Path, cache_dir: Path, *, quick: bool, table: Path | None) -> None:
         self._mesh, self._cache_dir, self._quick = mesh, cache_dir, quick
         species = mesh.stem if mesh.stem in SPECIES else None
-        self._options = BuildOptions(species=species, height_m=12.0, accept=True)
+        self._options = BuildOptions(species=species, height_m=12.0, accept=True, stiffness="as drawn")
         self._table = table.read_bytes() if table else None
 
     def fem(self, on_progress: OnProgress) -> Any:

@@ -21,6 +21,7 @@ from galewood.solid.fem import FemModel, load_model, save_model
 from galewood.solid.tets import TetMesh
 from galewood.table import Metadata, Table
 from galewood.util import write_atomically
+from galewood.wood import Wood, wood_of_species
 
 USUAL_OPTIONS = BuildRequest()
 TOLD_OPTIONS = ("seed", "sampled_elements", "target_tets")
@@ -81,7 +82,8 @@ def built_again(table: Table, mesh: Path, cache_dir: Path) -> Path:
 
     Raises SourceError if it is not the table's model: then it had other options or tetrahedra.
     """
-    model = model_of(mesh.read_bytes(), mesh.name, model_options(table), cache_dir)
+    wood = wood_of_table(table)
+    model = model_of(mesh.read_bytes(), mesh.name, model_options(table), cache_dir, wood)
     check_model(model, table.metadata, f"the model built again from {mesh}")
     path = cache_dir / "models" / f"{content_hash(model)}.npz"
     save_model(model, path)
@@ -118,11 +120,19 @@ def model_options(table: Table) -> BuildOptions:
     return BuildOptions(
         species=metadata.get("species"),
         height_m=float(metadata["height_m"]),
+        stiffness="as drawn",
         foliage=table.foliage,
         target_tets=options_of(table).target_tets,
         root_stiffness_knm=None if stiffness_nm_rad is None else stiffness_nm_rad / 1000,
         reference=fem.get("element") == "quadratic",
     )
+
+
+def wood_of_table(table: Table) -> Wood:
+    """The wood of a table's model: that of its species, as stiff as the table tells."""
+    wood = wood_of_species(table.metadata.get("species") or "default")
+    young_pa = table.metadata["provenance"].get("young_longitudinal_pa", wood.young_longitudinal_pa)
+    return wood.scaled(float(young_pa) / wood.young_longitudinal_pa)
 
 
 def options_of(table: Table) -> BuildRequest:

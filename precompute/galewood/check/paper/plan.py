@@ -56,6 +56,7 @@ class Plan:
         """Build options of a tree's table."""
         return BuildOptions(
             **mesh.options,
+            stiffness="as drawn",
             target_tets=self.target_tets,
             sampled_elements=self.elements[0],
             frames=self.record_frames,

@@ -11,7 +11,7 @@ import numpy as np
 from galewood.check.evaluation import Source, evaluate_table, source_of
 from galewood.check.verify.checks import Check, absolute, skipped
 from galewood.options import EvaluationOptions
-from galewood.pipeline.results import SHIPPED_FOLDER, ShippedTree, read_shipped
+from galewood.pipeline.results import BUILTIN_OPTIONS, SHIPPED_FOLDER, ShippedTree, read_shipped
 from galewood.pipeline.stages import BuiltinMesh, build_table, builtin_meshes
 from galewood.pipeline.tables import BuildOptions
 from galewood.table import Table, decode
@@ -52,7 +52,9 @@ def of_tree(mesh: BuiltinMesh, shipped: ShippedTree) -> Iterator[Check]:
 
 
 def _built(mesh: BuiltinMesh, cache: Path) -> tuple[Table, Path]:
-    options = BuildOptions.model_validate({**mesh.options, "paper": False})
+    options = BuildOptions.model_validate(
+        {**BUILTIN_OPTIONS, **mesh.options, "paper": False, "bare_table": False}
+    )
     source, name = mesh.path.read_bytes(), mesh.path.name
     result = build_table(source, name, options, cache_dir=cache)
     glb = cache / f"{mesh.name}.glb"

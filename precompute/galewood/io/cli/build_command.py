@@ -134,7 +134,8 @@ def _build_one(
     from galewood.util import MeshError
 
     def report_import(tree: TreeMesh) -> None:
-        for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.own_wood))]:
+        expected = expected_motion(tree, options.own_wood, leaves=options.foliage == "leaf")
+        for line in [*import_lines(tree.report), *motion_lines(expected, options.may_soften)]:
             console.print(line)
         print_doubts(tree.report)
         if tree.report["needs_review"]:
@@ -160,8 +161,8 @@ def _build_one(
         bare_path(out).write_bytes(result.bare_table)
         bare_path(out).with_suffix(".glb").write_bytes(result.render_glb)
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
-    rest_pose = result.report["model"]["rest_pose"]
-    for warning in [rest_pose[name] for name in ("warning", "note") if name in rest_pose]:
+    told = [result.report["model"].get(name, {}) for name in ("rest_pose", "stiffness")]
+    for warning in [one[name] for one in told for name in ("warning", "note") if name in one]:
         print_warning("Warning:", str(warning))
     for line in tree_lines(result.report["tree"]):
         console.print(line)

@@ -16,7 +16,9 @@ WITH_WARNINGS = 3
 Preview = Annotated[
     Path | None,
     typer.Option(
-        dir_okay=False, help="Draw the imported tree to this PNG file; wood that was added is blue."
+        dir_okay=False,
+        help="Draw the imported tree to this PNG file, wood that was added in blue, and beside it what was "
+        "detected: wood brown, leaves green, left out red, unsure hatched.",
     ),
 ]
 Strict = Annotated[
@@ -34,7 +36,7 @@ def check(
     Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings or questions (with --strict).
     """
     from galewood.formats import mesh_with_companions
-    from galewood.pipeline.pictures import draw_limited
+    from galewood.pipeline.pictures import check_picture, draw_limited
     from galewood.pipeline.tables import EXPECTED_MOTION, import_lines, motion_lines
     from galewood.tree import import_mesh_sandboxed
     from galewood.util import MeshError
@@ -45,7 +47,8 @@ def check(
         tree, glb = import_mesh_sandboxed(data, mesh.name, options, then=EXPECTED_MOTION)
         if preview is not None:
             preview.parent.mkdir(parents=True, exist_ok=True)
-            preview.write_bytes(draw_limited(glb, PREVIEW_PX, tree.added_wood()))
+            drawn = draw_limited(glb, PREVIEW_PX, tree.added_wood())
+            preview.write_bytes(check_picture(drawn, data, mesh.name, options, PREVIEW_PX))
     except MeshError as error:
         print_error(error.title, error.hint)
         raise typer.Exit(1) from None

@@ -5,11 +5,12 @@ from __future__ import annotations
 import io
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from galewood.formats import Material, RawPart, base_image, read_glb
+from galewood.formats import RawPart, read_glb
 from galewood.sandbox import Arrays, Limits, run_limited
-from galewood.tree import RenderPrimitive
+from galewood.tree import RenderPrimitive, face_colours
 from galewood.util import Floats
 
 SIDE_PX = 256
@@ -50,21 +51,30 @@ def draw(parts: list[RawPart], side_px: int = SIDE_PX, added: Floats | None = No
     colours = np.concatenate([_colours(part) for part in parts])
     # A partly transparent leaf card is drawn as a smaller opaque card of the same covered area.
     centres = triangles.mean(axis=1, keepdims=True)
-    triangles = centres + (triangles - centres) * np.sqrt(colours[:, 3])[:, None, None]
-    shaded = colours[:, :3] * _light(triangles)[:, None]
+    drawn = centres + (triangles - centres) * np.sqrt(colours[:, 3])[:, None, None]
+    image, _ = painted(drawn, colours[:, :3], side_px)
+    if added is not None and len(added):
+        image.alpha_composite(_over(added, drawn, side_px * OVERSAMPLING_FACTOR).resize(image.size))
+    stream = io.BytesIO()
+    image.save(stream, format="png", optimize=True)
+    return stream.getvalue()
+
+
+def painted(
+    triangles: Floats, colours: Floats, side_px: int, marked: NDArray[np.bool_] | None = None
+) -> tuple[Image.Image, Image.Image]:
+    """Triangles (k, 3, 3) in colours (k, 3), shaded, back to front; and a mask of those ``marked`` (k,)."""
     side = side_px * OVERSAMPLING_FACTOR
-    flat = _to_pixels(triangles, side)
-    image = Image.new("RGBA", (side, side))
-    pen = ImageDraw.Draw(image)
-    corners = flat.reshape(-1, 6).tolist()
-    fills = np.clip(shaded * 255, 0, 255).astype(int).tolist()
+    image, mask = Image.new("RGBA", (side, side)), Image.new("L", (side, side))
+    pen, marker = ImageDraw.Draw(image), ImageDraw.Draw(mask)
+    corners = _to_pixels(triangles, side).reshape(-1, 6).tolist()
+    fills = np.clip(colours * _light(triangles)[:, None] * 255, 0, 255).astype(int).tolist()
     for face in np.argsort(triangles[:, :, 2].mean(axis=1)).tolist():
         pen.polygon(corners[face], fill=tuple(fills[face]))
-    if added is not None and len(added):
-        image.alpha_composite(_over(added, triangles, side))
-    stream = io.BytesIO()
-    image.resize((side_px, side_px), Image.Resampling.BOX).save(stream, format="png", optimize=True)
-    return stream.getvalue()
+        if marked is not None:
+            marker.polygon(corners[face], fill=255 * int(marked[face]))
+    size = side_px, side_px
+    return image.resize(size, Image.Resampling.BOX), mask.resize(size, Image.Resampling.BOX)
 
 
 def _over(added: Floats, triangles: Floats, side: int) -> Image.Image:
@@ -93,26 +103,19 @@ def _light(triangles: Floats) -> Floats:
 
 
 def _colours(part: RawPart) -> Floats:
-    """(k, 4) colour and opacity of each face from its material; leaves vary slightly in brightness."""
+    """(k, 4) colour and covered share of each face; leaves vary slightly in brightness.
+
+    The colour is that of the texture under the face, times factors and vertex colours. An alpha channel cuts
+    out only what a viewer would: not of an opaque material.
+    """
     is_leaf = any(label.startswith("leaves") for label in part.labels)
-    base = np.array([*(LEAVES if is_leaf else WOOD_RGB), 1.0])
-    if part.material is not None:
-        base = _material_colour(part.material, base)
-    colours = np.tile(base, (len(part.faces), 1))
+    found = face_colours(part)
+    colours = np.tile(np.array([*(LEAVES if is_leaf else WOOD_RGB), 1.0]), (len(part.faces), 1))
+    if found.known:
+        colours[:, :3] = found.rgb
+    if part.material is not None and part.material.json.get("alphaMode", "OPAQUE") != "OPAQUE":
+        colours[:, 3] = 1.0 - found.cut_out
     if is_leaf:
         shades = np.random.default_rng(1).uniform(0.75, 1.2, len(part.faces) // 2 + 1)
         colours[:, :3] *= np.repeat(shades, 2)[: len(part.faces), None]
     return colours
-
-
-def _material_colour(material: Material, base: Floats) -> Floats:
-    surface = material.json.get("pbrMetallicRoughness", {})
-    # Material factors are linear; the picture uses a display gamma.
-    factor = np.array(surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), dtype=float)[:3] ** (1 / 2.2)
-    image = base_image(material)
-    if image is None:
-        return np.append(factor, 1.0) if "baseColorFactor" in surface else base
-    pixels = np.asarray(image.convert("RGBA").resize((64, 64)), dtype=float) / 255
-    weight = pixels[:, :, 3]
-    mean = (pixels[:, :, :3] * weight[:, :, None]).sum(axis=(0, 1)) / max(float(weight.sum()), 1e-9)
-    return np.append(mean * factor, max(float(weight.mean()), 0.25))

@@ -2,6 +2,7 @@
 
 from galewood.pipeline.results.result import BuildResult, bare_path
 from galewood.pipeline.results.shipped import (
+    BUILTIN_OPTIONS,
     PICTURE_SUFFIX,
     SHIPPED_FOLDER,
     ShippedTree,
@@ -11,6 +12,7 @@ from galewood.pipeline.results.shipped import (
 )
 
 __all__ = [
+    "BUILTIN_OPTIONS",
     "PICTURE_SUFFIX",
     "SHIPPED_FOLDER",
     "BuildResult",

@@ -24,6 +24,8 @@ from galewood.versions import SAMPLING_VERSION
 
 SHIPPED_FOLDER = "shipped"
 """Folder of the shipped files, beside the meshes of the built-in trees."""
+BUILTIN_OPTIONS: dict[str, Any] = {"bare_table": True, "stiffness": "as drawn"}
+"""Options of the build of a built-in tree besides its own: they are real trees, and have two tables."""
 PICTURE_SUFFIX = ".png"
 SHIPPED_SUFFIXES = {
     "table": ".table",

@@ -25,6 +25,7 @@ from galewood.pipeline.tables import BuildOptions
 from galewood.solid.fem import FemModel
 from galewood.tree import TreeMesh
 from galewood.util import WorkerPool
+from galewood.wood import Wood
 
 WARM_MODULES = ("galewood.solid.model.comparison", "galewood.pipeline.sampling.runner")
 """Modules that the worker processes import when they start, so that compiled kernels load early."""
@@ -76,8 +77,10 @@ def build_tree(
         return _build(ImportedTree(tree, render_glb), _quiet(options, cache_dir, pool, progress))
 
 
-def model_of(source: bytes, filename: str, options: BuildOptions, cache_dir: Path) -> FemModel:
-    """The finite-element model of a tree mesh, as in a build. Raises MeshError.
+def model_of(
+    source: bytes, filename: str, options: BuildOptions, cache_dir: Path, wood: Wood | None = None
+) -> FemModel:
+    """The finite-element model of a tree mesh, as in a build, or of a given wood. Raises MeshError.
 
     The tetrahedra come from ``cache_dir`` if it has them; meshing again gives a slightly different model.
     """
@@ -85,7 +88,7 @@ def model_of(source: bytes, filename: str, options: BuildOptions, cache_dir: Pat
         context = _quiet(options, cache_dir, pool)
         imported = import_tree(MeshFile(source, filename), context)
         solid = attach_foliage(mesh_wood(imported, context), context)
-    return fem_of(solid, options)[0]
+    return fem_of(solid if wood is None else replace(solid, wood=wood), options)[0]
 
 
 def _workers(runner: TrajectoryRunner | None) -> WorkerPool:

@@ -34,6 +34,7 @@ OPTIONS = BuildOptions(
     species="maple",
     height_m=5.0,
     up_axis="y",
+    stiffness="as drawn",
     target_tets=600,
     sampled_elements=4,
     frames=4,

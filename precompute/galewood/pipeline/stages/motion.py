@@ -29,9 +29,8 @@ from galewood.pipeline.tables import (
     scaled_to,
 )
 from galewood.solid.fem import FemModel, Simulator
-from galewood.solid.model import build_model
+from galewood.solid.model import unloaded_model
 from galewood.table import Records, encode
-from galewood.wood import Wood
 
 
 @dataclass(frozen=True)
@@ -109,15 +108,12 @@ def build_fem(solid: SolidTree, context: BuildContext) -> ModelledTree:
 
 def fem_of(solid: SolidTree, options: BuildOptions) -> tuple[FemModel, SolidTree]:
     """The model of a tree, and the tree with the wood of that model, which may be softer or stiffer."""
-
-    def build(wood: Wood) -> FemModel:
-        return build_model(solid.mesh, solid.skeleton, wood, solid.lumped, options.fem)
-
+    unloaded = unloaded_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
     goal = goal_of(solid.tree, solid.wood, options)
     if goal is None:
-        return build(solid.wood), solid
-    model, wood = scaled_to(goal, solid.wood, build)
-    return model, replace(solid, wood=wood)
+        return unloaded.standing(), solid
+    model, factor = scaled_to(goal, unloaded.standing)
+    return model, replace(solid, wood=solid.wood.scaled(factor))
 
 
 def plan_runs(solid: SolidTree, fem: FemModel, options: BuildOptions, cache_dir: Path) -> ModelledTree:

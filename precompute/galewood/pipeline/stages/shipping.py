@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.pipeline.results import (
+    BUILTIN_OPTIONS,
     PICTURE_SUFFIX,
     SHIPPED_FOLDER,
     ShippedTree,
@@ -58,7 +59,7 @@ def ship(
     result = build_table(
         mesh.path.read_bytes(),
         mesh.path.name,
-        BuildOptions.model_validate({"bare_table": True, **mesh.options}),
+        BuildOptions.model_validate({**BUILTIN_OPTIONS, **mesh.options}),
         progress=progress,
         cache_dir=cache_dir,
         publish=published.__setitem__,

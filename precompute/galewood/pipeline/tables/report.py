@@ -36,7 +36,11 @@ class Body:
 
 def body_of(model: FemModel) -> Body:
     """The description of a finite-element model."""
-    identity = {"tetrahedra": len(model.elements), "model_sha256": content_hash(model)}
+    identity = {
+        "tetrahedra": len(model.elements),
+        "model_sha256": content_hash(model),
+        "young_longitudinal_pa": model.report["wood_constants"]["young_longitudinal_pa"],
+    }
     return Body(model.report["frequencies_hz"], model.report["wood"], model.streamlined_exponent, identity)
 
 

@@ -38,4 +38,5 @@ from .support import TRUNK_LIMB as TRUNK_LIMB
 from .support import Support as Support
 from .support import Weight as Weight
 from .support import borne_load_factor as borne_load_factor
+from .support import remaining_share as remaining_share
 from .support import supported as supported

@@ -3,7 +3,7 @@
 from galewood.solid.model.added_wood import in_added_wood
 from galewood.solid.model.beam_tree import BeamModel, beam_model
 from galewood.solid.model.comparison import gusty_pressure, trajectory_difference
-from galewood.solid.model.construction import GRAVITY_M_S2, build_model
+from galewood.solid.model.construction import GRAVITY_M_S2, build_model, unloaded_model
 from galewood.solid.model.effective_mass import (
     effective_masses,
     free_mass_kg,
@@ -34,4 +34,5 @@ __all__ = [
     "trajectory_difference",
     "tree_model",
     "typical_frequency_hz",
+    "unloaded_model",
 ]

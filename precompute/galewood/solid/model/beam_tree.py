@@ -10,14 +10,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
+from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import KDTree
 
 from galewood.motion.wind import dynamic_pressure
-from galewood.solid.beams import Frame, frame_modes, joined_frame
-from galewood.solid.fem import LEAST_PROFILE
-from galewood.solid.model.construction import STIFFNESS_FLOOR
+from galewood.solid.beams import Frame, FrameModes, frame_modes, joined_frame
+from galewood.solid.fem import LEAST_PROFILE, remaining_share
+from galewood.solid.model.construction import GRAVITY_M_S2, STIFFNESS_FLOOR
 from galewood.solid.model.foliage import crown_loads
-from galewood.solid.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
+from galewood.solid.skeleton import (
+    CLAMPED_SHARE,
+    Outline,
+    branch_lines,
+    is_chained,
+    joined_outline,
+    outline_of,
+)
 from galewood.solid.skinning import LARGEST_RIGID_PIECE, Axis, axis_of_frame, leading_vertices
 from galewood.solid.tets import MIN_RADIUS_SHARE
 from galewood.tree import RenderPrimitive, TreeMesh
@@ -27,6 +35,7 @@ from galewood.wood import Wood
 MODE_COUNT = 80
 PLACES_PER_BEAM = 4
 """Points along a beam among which the nearest to a vertex is sought."""
+FACTOR_ROUNDS = 40
 ARM_SHARE = 0.02
 """Distance of the three particles around a point of the frame, relative to the height of the tree."""
 
@@ -34,6 +43,9 @@ ARM_SHARE = 0.02
 @dataclass(frozen=True)
 class BeamModel:
     """Natural modes of a tree of beams, at particles.
+
+    ``weightless_hz`` (k,) are the frequencies without gravity; the weight takes the share ``load_factors``
+    (k,) of the stiffness of each mode.
 
     Each point of the frame is four particles: itself, and one beside it along each axis, so that particles
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
@@ -43,7 +55,8 @@ class BeamModel:
     ``streamlined_exponent`` of its speed above 5 m/s. What is drawn follows the ``axis``.
     """
 
-    frequencies_hz: Floats
+    weightless_hz: Floats
+    load_factors: Floats
     shapes: Floats
     mass_kg: Floats
     load: Floats
@@ -56,13 +69,30 @@ class BeamModel:
     streamlined_exponent: float
     axis: Axis
 
+    @property
+    def frequencies_hz(self) -> Floats:
+        """The frequencies (k,) under the weight of the tree, Hz."""
+        return self.frequencies_with(1.0)
+
+    def frequencies_with(self, stiffness_factor: float) -> Floats:
+        """The frequencies (k,) under its weight, if its wood were this many times as stiff, Hz."""
+        share = np.array([remaining_share(one / stiffness_factor) for one in self.load_factors])
+        return self.weightless_hz * np.sqrt(stiffness_factor * share)
+
+    def factor_for(self, first_hz: float) -> float:
+        """The factor of the stiffness of the wood with which the lowest frequency is this one."""
+        factor = (first_hz / float(self.weightless_hz[0])) ** 2
+        for _ in range(FACTOR_ROUNDS):
+            factor *= (first_hz / float(self.frequencies_with(factor).min())) ** 2
+        return factor
+
     def steady_sway_m(self, wind_m_s: float) -> float:
         """Largest displacement in a steady wind along x or z, m, for a linear response."""
         return self.sway_m(float(dynamic_pressure(wind_m_s, self.streamlined_exponent)))
 
     def sway_m(self, pressure_pa: float) -> float:
-        """Largest displacement under a steady pressure along x or z, m, for a linear response."""
-        still = self.load / (2 * np.pi * self.frequencies_hz[:, None]) ** 2
+        """Largest displacement under a steady pressure along x or z, m: linear, without weight."""
+        still = self.load / (2 * np.pi * self.weightless_hz[:, None]) ** 2
         bent = pressure_pa * np.einsum("kd,kni->dni", still, self.shapes)
         return float(np.linalg.norm(bent, axis=2).max())
 
@@ -94,7 +124,8 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
 
 
 def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
-    outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
+    wood_of = joined_outline if is_chained(tree.wood_vertices_m, tree.wood_faces) else outline_of
+    outline = wood_of(tree.wood_vertices_m, tree.wood_faces)
     frame = replace(frame_of(outline), stiff_radius_m=_stiff_radius_m(tree.wood_vertices_m))
     beams = [_nearest_beams(primitive.positions_m, frame) for primitive in tree.primitives]
     of = {id(primitive): own for primitive, own in zip(tree.primitives, beams, strict=True)}
@@ -116,6 +147,7 @@ def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
     arm_m = ARM_SHARE * tree.height_m
     return BeamModel(
         modes.frequencies_hz,
+        load_factors(frame, modes, _point_mass(frame, wood) + hung_kg),
         _at_particles(modes.shapes, arm_m),
         _on_points(_point_mass(frame, wood) + hung_kg),
         np.einsum("kni,n->ki", modes.shapes[:, :, [0, 2]], crown.drag_area_m2),
@@ -155,6 +187,30 @@ def frame_of(branches: Outline) -> Frame:
     radius = branches.radius_m[index]
     radius[starts[1:]] = radius[starts[1:] + 1]  # a branch is not as thick as its parent limb
     return joined_frame(branches.points_m[index], radius, parent, owner)
+
+
+def load_factors(frame: Frame, modes: FrameModes, mass_kg: Floats) -> Floats:
+    """Share (k,) of the stiffness of each mode that the weight of the points takes, 0 or more.
+
+    A beam that carries the weight W at its end, pressed by N = W cos θ along its axis, does the work
+    N |Δu|² / L over its transverse displacement Δu; hanging beams are pulled and gain stiffness.
+    """
+    ends, sizes = frame.links, len(frame.points_m)
+    graph = csr_matrix((np.ones(len(ends)), ends.T), shape=(sizes, sizes))
+    order, parent = breadth_first_order(graph, int(np.argmin(frame.points_m[:, 1])), directed=False)
+    carried_kg = mass_kg.copy()
+    for point in order[:0:-1]:
+        carried_kg[parent[point]] += carried_kg[point]
+    outer = order[1:]
+    inner = parent[outer]
+    along = frame.points_m[outer] - frame.points_m[inner]
+    length_m = np.maximum(np.linalg.norm(along, axis=1), 1e-9)
+    axis = along / length_m[:, None]
+    pressed_n = GRAVITY_M_S2 * carried_kg[outer] * axis[:, 1]
+    moved = modes.shapes[:, outer, :3] - modes.shapes[:, inner, :3]
+    across = (moved**2).sum(axis=2) - np.einsum("kli,li->kl", moved, axis) ** 2
+    work = across @ (pressed_n / length_m)
+    return np.maximum(work / (2 * np.pi * modes.frequencies_hz) ** 2, 0.0)
 
 
 def _at_particles(shapes: Floats, arm_m: float) -> Floats:

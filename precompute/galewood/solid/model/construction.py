@@ -97,6 +97,27 @@ class Material:
     element_mass_kg: Floats
 
 
+@dataclass(frozen=True)
+class UnloadedModel:
+    """A model whose stiffness is fitted, before its weight acts; ``parts`` and leaves have masses, kg."""
+
+    model: FemModel
+    wood: Wood
+    parts: Parts
+    leaf_mass_kg: Floats
+    report: dict[str, Any]
+
+    def standing(self, stiffness_factor: float = 1.0) -> FemModel:
+        """The model under its weight, of wood this many times as stiff.
+
+        The fit compares stiffnesses, so that it is the same for all factors.
+        """
+        wood = self.wood.scaled(stiffness_factor)
+        of_wood = {"wood": wood.name, "wood_source": wood.source, "wood_constants": asdict(wood)}
+        model = replace(self.model, blocks=self.model.blocks * stiffness_factor)
+        return _finished(model, wood, self.parts, self.leaf_mass_kg, of_wood | self.report)
+
+
 def build_model(
     mesh: MeshLike,
     skeleton: SkeletonLike,
@@ -108,11 +129,23 @@ def build_model(
 
     Raises ValueError if the mesh is invalid.
     """
+    return unloaded_model(mesh, skeleton, wood, lumped, settings).standing()
+
+
+def unloaded_model(
+    mesh: MeshLike,
+    skeleton: SkeletonLike,
+    wood: Wood,
+    lumped: LumpedMassesLike,
+    settings: FemSettings | None = None,
+) -> UnloadedModel:
+    """The part of ``build_model`` that is the same for wood of any stiffness."""
     settings = settings or FemSettings()
     material = wood_elements(mesh, skeleton, wood, lumped)
-    report: dict[str, Any] = {"wood": wood.name, "wood_source": wood.source, "element": settings.element}
-    report["wood_constants"] = asdict(wood)
-    report["wood_mass_kg"] = float(material.element_mass_kg.sum())
+    report: dict[str, Any] = {
+        "element": settings.element,
+        "wood_mass_kg": float(material.element_mass_kg.sum()),
+    }
     if settings.element != "fitted":
         model = _raw(material, lumped, settings, settings.element)
     else:
@@ -123,7 +156,7 @@ def build_model(
     thin = (skeleton.tet_radius_m * mesh.radius_ratio < THIN_RADIUS_M) & (limb != TRUNK_LIMB)
     thin_kg = np.where(thin, material.element_mass_kg, 0.0)
     parts = Parts(limb, material.element_mass_kg, _node_masses(model, thin_kg, lumped.mass_kg))
-    return _finished(model, wood, parts, lumped.leaf_mass_kg, report)
+    return UnloadedModel(model, wood, parts, lumped.leaf_mass_kg, report)
 
 
 def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike) -> Material:

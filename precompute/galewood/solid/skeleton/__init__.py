@@ -3,6 +3,7 @@ direction of every tetrahedron."""
 
 from galewood.solid.skeleton.centre import branch_lines
 from galewood.solid.skeleton.extraction import Skeleton, extract_skeleton, sampled_elements
+from galewood.solid.skeleton.joined_limbs import is_chained, joined_outline
 from galewood.solid.skeleton.outline import Outline, outline_of
 from galewood.solid.skeleton.radius_correction import with_corrected_radii
 from galewood.solid.skeleton.roots import CLAMPED_SHARE, root_vertices
@@ -14,6 +15,8 @@ __all__ = [
     "Skeleton",
     "branch_lines",
     "extract_skeleton",
+    "is_chained",
+    "joined_outline",
     "outline_of",
     "root_vertices",
     "sampled_elements",

@@ -60,7 +60,7 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
     tree, replacement = without_spurs(tree, section_radii(tree, tree.points_m))
     branch = branches(tree.points_m, tree.parent)
     radius = section_radii(tree, tree.points_m)
-    owner = _owners(mesh, sections, tree, replacement, radius)
+    owner = owners(vertices[tets].mean(axis=1), sections, tree, replacement, radius)
     samples = np.einsum("sk,mkd->msd", SAMPLES_OF_TET, vertices[tets]).reshape(-1, 3)
     centred = l1_centred(
         tree.points_m, branch, tree.parent, radius, samples, np.repeat(branch[owner], 4), step_m
@@ -86,11 +86,10 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
     )
 
 
-def _owners(mesh: TetMesh, sections: Sections, tree: Tree, replacement: Ints, radius_m: Floats) -> Ints:
-    """The skeleton point (m,) each tet belongs to: the nearest link of its slab component, in units of its
-    radius.
+def owners(centre: Floats, sections: Sections, tree: Tree, replacement: Ints, radius_m: Floats) -> Int32s:
+    """The skeleton point (m,) that each cell with this centre (m, 3) belongs to: the nearest link of its slab
+    component, in units of its radius.
     """
-    centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     links: dict[int, list[int]] = {}
     for point, piece in enumerate(tree.piece.tolist()):
         links.setdefault(piece, []).append(point)
@@ -98,8 +97,8 @@ def _owners(mesh: TetMesh, sections: Sections, tree: Tree, replacement: Ints, ra
         sections.above.tolist()
     ):  # if all links of a component were spurs, use the section below
         links.setdefault(piece, [int(replacement[index + 1])])
-    best = np.full(len(mesh.tets), np.inf)
-    owner = np.zeros(len(mesh.tets), dtype=np.int32)
+    best = np.full(len(centre), np.inf)
+    owner = np.zeros(len(centre), dtype=np.int32)
     order = np.argsort(sections.pair_piece, kind="stable")
     bounds = np.flatnonzero(np.diff(sections.pair_piece[order])) + 1
     for chosen in np.split(order, bounds):

@@ -13,9 +13,15 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from galewood.solid.skeleton.bridges import bridges
 from galewood.solid.skeleton.centre import branch_lines
-from galewood.solid.skeleton.levels import EDGES_OF_TRIANGLE, cut_sections, distance_along, inner_faces
+from galewood.solid.skeleton.levels import (
+    EDGES_OF_TRIANGLE,
+    Sections,
+    cut_sections,
+    distance_along,
+    inner_faces,
+)
 from galewood.solid.skeleton.roots import root_vertices
-from galewood.solid.skeleton.tree import branches, linked_tree, section_radii, without_spurs
+from galewood.solid.skeleton.tree import Tree, branches, linked_tree, section_radii, without_spurs
 from galewood.util import Floats, Int32s, Ints
 
 STEPS_PER_HEIGHT = 60
@@ -33,8 +39,23 @@ class Outline:
     branch: Int32s
 
 
+@dataclass(frozen=True)
+class TracedSurface:
+    """An outline with what it was made from: sections, the linked tree, and the points that replace spurs."""
+
+    outline: Outline
+    sections: Sections
+    tree: Tree
+    replacement: Ints
+
+
 def outline_of(vertices_m: Floats, faces: Ints) -> Outline:
     """The branches inside a closed surface of triangles; the y axis points up."""
+    return trace(vertices_m, faces).outline
+
+
+def trace(vertices_m: Floats, faces: Ints) -> TracedSurface:
+    """The branches inside a closed surface, with what they were made from."""
     step_m = float(np.ptp(vertices_m[:, 1])) / STEPS_PER_HEIGHT
     roots = root_vertices(vertices_m, faces)
     edges = faces[:, EDGES_OF_TRIANGLE].reshape(-1, 2)
@@ -42,10 +63,11 @@ def outline_of(vertices_m: Floats, faces: Ints) -> Outline:
     distance = distance_along(vertices_m, pairs, roots)
     sections = cut_sections(vertices_m, faces, distance, inner_faces(faces), step_m)
     tree = linked_tree(sections, vertices_m, faces, distance, vertices_m[roots].mean(axis=0))
-    tree, _ = without_spurs(tree, section_radii(tree, tree.points_m))
+    tree, replacement = without_spurs(tree, section_radii(tree, tree.points_m))
     branch = branches(tree.points_m, tree.parent).astype(np.int32)
     radius = _smoothed(section_radii(tree, tree.points_m), branch)
-    return Outline(tree.points_m, tree.parent.astype(np.int32), radius, branch)
+    outline = Outline(tree.points_m, tree.parent.astype(np.int32), radius, branch)
+    return TracedSurface(outline, sections, tree, replacement)
 
 
 def _smoothed(radius_m: Floats, branch: Ints) -> Floats:

@@ -30,7 +30,7 @@ LARGEST_RATIO = 1.15
 
 
 class Line(Protocol):
-    """The part of a Skeleton that is used here."""
+    """The part of a Skeleton that is used here; ``tet_point`` (m,) is the point that each cell belongs to."""
 
     @property
     def points_m(self) -> Floats: ...
@@ -50,23 +50,37 @@ def with_corrected_radii(tree: TreeMesh, mesh: TetMesh, line: Line) -> TetMesh:
 
 def corrected_ratio(wood: Surface, solid: TetMesh, line: Line) -> Floats:
     """Radius of the input wood over that of the solid (m,), in (0, LARGEST_RATIO], for each tetrahedron."""
-    volume_m3 = input_volume(wood, solid, line)
+    volume_m3 = input_volume(wood, solid.vertices_m[solid.tets].mean(axis=1), line)
     meshed = _sums(line.tet_point, tet_volumes(solid.vertices_m, solid.tets), line)
     recorded = _mean_of_stretch(solid.radius_ratio, line)
+    return _ratio(volume_m3, meshed, recorded, line)[line.tet_point]
+
+
+def corrected_radii(wood: Surface, joined: Surface, recorded: Floats, line: Line) -> Floats:
+    """Radius of the input wood over that of the joined surface (p,) at each point of a line.
+
+    ``recorded`` (m,) is the ratio by which each face of the joined surface was thickened; the line says which
+    point the faces belong to.
+    """
+    centre = joined.vertices[joined.faces].mean(axis=1)
+    volume_m3, around = (input_volume(surface, centre, line) for surface in (wood, joined))
+    return _ratio(volume_m3, around, _mean_of_stretch(recorded, line), line)
+
+
+def _ratio(volume_m3: Floats, meshed: Floats, recorded: Floats, line: Line) -> Floats:
     both = np.column_stack([volume_m3, meshed])
     for _ in range(SMOOTHING_ROUNDS):
         both = _with_neighbours(both, line)
     ratio = np.sqrt(np.maximum(both[:, 0], 0.0) / np.maximum(both[:, 1], 1e-300))
-    return np.clip(ratio, SMALLEST_SHARE * recorded, LARGEST_RATIO)[line.tet_point]
+    return np.clip(ratio, SMALLEST_SHARE * recorded, LARGEST_RATIO)
 
 
-def input_volume(wood: Surface, solid: TetMesh, line: Line) -> Floats:
-    """Volume (p,), m³, of the input wood around each skeleton point.
+def input_volume(wood: Surface, centre: Floats, line: Line) -> Floats:
+    """Volume (p,), m³, of the input wood around each skeleton point; centre (m, 3) of each cell, m.
 
     By the divergence theorem across the branch, A = ½ ∮ x·n for each closed outline and any origin, so that
     several twigs in one stretch add up.
     """
-    centre = solid.vertices_m[solid.tets].mean(axis=1)
     step_m = float(np.median(np.linalg.norm(line.points_m[1:] - line.points_m[line.parent[1:]], axis=1)))
     face, weight = scattered_weights(wood, step_m / SAMPLES_PER_STEP)
     corners = wood.vertices[wood.faces]

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from galewood.options import MAX_TETS, MIN_TETS, USUAL_TETS
 from galewood.sandbox import Limits, run_limited
@@ -34,7 +35,7 @@ from galewood.util import Floats, Int32s, Ints, MeshError
 
 MIN_RADIUS_SHARE = 2.8e-3  # smallest radius, relative to the diagonal
 ENVELOPE_FLOOR_RATIO = 0.3  # fTetWild's envelope relative to the floor; a smaller one gives more tets
-CELLS_PER_FLOOR = 1.5
+CELLS_PER_FLOOR, JOINED_CELLS_PER_FLOOR = 1.5, 1.0
 EDGE_LENGTH = 0.08  # relative to the diagonal
 STOP_ENERGY = 30.0
 OPTIMISATION_PASSES = 2  # of fTetWild; more cost half a second each and gain less than polishing does
@@ -100,6 +101,18 @@ def tetrahedralise(tree: TreeMesh, target_tets: int = USUAL_TETS, cache_dir: Pat
     mesh = _attempts(Surface(tree.wood_vertices_m, tree.wood_faces), target_tets)
     store_cached(cache_dir, key, mesh.vertices_m, mesh.tets, mesh.radius_ratio, mesh.report)
     return mesh
+
+
+def joined_surface(surface: Surface, faces: int) -> tuple[Surface, Floats]:
+    """One closed surface around all wood, with about so many faces, and for each the ratio of thickening.
+
+    It is coarser than that of the mesher by the ratio of the cells.
+    """
+    floor_m = MIN_RADIUS_SHARE * float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    raised = thicken(surface, floor_m)
+    joined = decimate(wrap(raised.surface, floor_m / JOINED_CELLS_PER_FLOOR), faces)
+    centre = joined.vertices[joined.faces].mean(axis=1)
+    return joined, raised.sample_ratio[KDTree(raised.sample_points).query(centre)[1]]
 
 
 def cached_tetrahedra_path(tree: TreeMesh, target_tets: int, cache_dir: Path) -> Path:

@@ -1,6 +1,7 @@
 /** The expected motion of an upload, and the choice of its stiffness. */
 import { describe, expect, test } from "vitest";
 import {
+  defaultLiveliness,
   expectedMotionOf,
   frequency_Hz,
   isAdjustable,
@@ -14,6 +15,7 @@ const expected = {
   first_frequency_hz: 4,
   typical_frequency_hz: 1,
   lively_frequency_hz: 1,
+  default_frequency_hz: 1,
   sway: [
     { wind_m_s: 10, sway_m: 0.002, share: 0.0008 },
     { wind_m_s: 18, sway_m: 0.004, share: 0.0016 },
@@ -24,7 +26,9 @@ const expected = {
 describe("expected motion", () => {
   test("is read from an import report and from a build report; junk is none", () => {
     const read = expectedMotionOf({ up_axis: {}, expected });
-    expect(read).toMatchObject({ first_Hz: 4, lively_Hz: 1, visible: false });
+    expect(read).toMatchObject({ first_Hz: 4, lively_Hz: 1, default_Hz: 1, visible: false });
+    const measured = expectedMotionOf({ up_axis: {}, expected: { ...expected, default_frequency_hz: 4 } });
+    expect([read, measured].map((one) => one && defaultLiveliness(one))).toEqual([1, 0]);
     expect(expectedMotionOf({ import: { up_axis: {}, expected } })).toEqual(read);
     for (const junk of [null, {}, { up_axis: {}, expected: null }, { up_axis: {}, expected: { sway: 3 } }])
       expect(expectedMotionOf(junk)).toBeNull();
@@ -58,7 +62,7 @@ test("a chosen stiffness is shown with the physics of the tree", () => {
   const stiffness = { factor: 0.0625, first_frequency_hz: 1.002, of_wood_hz: 4.01, requested_frequency_hz: 1 };
   const report = { model: { stiffness } };
   expect(chosenStiffness(report)?.factor).toBe(0.0625);
-  expect(stiffnessInWords(report)).toContain("1.0 Hz instead of the 4.0 Hz");
+  expect(stiffnessInWords(report)).toContain("1.0 Hz instead of 4.0 Hz");
   expect(factsOf({ height_m: 2, report }, null).find(({ name }) => name === "Stiffness")?.value).toBe("× 0.063");
   expect(stiffnessInWords({ model: {} })).toBe("");
   expect(factsOf({ height_m: 2, report: {} }, null).some(({ name }) => name === "Stiffness")).toBe(false);

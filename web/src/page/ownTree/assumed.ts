@@ -1,6 +1,7 @@
 /** What the server detected in an uploaded mesh, read from its import report. Pure. */
 
 import type { Piece, PieceKind } from "./pieces";
+import type { Placing } from "./split";
 
 /** A tree of a file with several. */
 export interface FoundTree {
@@ -36,6 +37,8 @@ export interface Assumed {
   readonly warnings: readonly string[];
   /** What to check before the motion is computed. */
   readonly questions: readonly string[];
+  /** From the coordinates of the file, y up, to those of the tree. */
+  readonly placing: Placing;
   /** Why wood that the file lacks was added; null: none was. */
   readonly addedWood: string | null;
   /** Null if the file is a mesh. */
@@ -82,6 +85,11 @@ function treeOf(value: unknown): FoundTree {
   };
 }
 
+function placingOf(unit: Json, roots: Json): Placing {
+  const [x, y, z] = list(roots.origin_in_file).map((value) => numberIn(value) ?? 0);
+  return { origin: [x ?? 0, y ?? 0, z ?? 0], metresPerUnit: numberIn(unit.metres_per_unit) ?? 1 };
+}
+
 const scanOf = (qsm: Json, parts: readonly unknown[]): Scan => ({
   dbh_cm: numberIn(qsm.dbh_cm),
   min_radius_mm: numberIn(qsm.min_radius_mm) ?? 0,
@@ -105,6 +113,7 @@ export function assumedOf(report: unknown): Assumed {
     vertexPieces: list(found.vertex_pieces).map((runs) => list(runs).map((n) => numberIn(n) ?? -1)),
     warnings: list(found.warnings).map(text).filter(Boolean),
     questions: list(found.questions).map(text).filter(Boolean),
+    placing: placingOf(unit, object(found.roots)),
     addedWood: "added_wood" in found ? text(object(found.added_wood).reason) : null,
     scan: "qsm" in found ? scanOf(object(found.qsm), list(found.parts)) : null,
   };

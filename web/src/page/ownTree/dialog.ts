@@ -6,10 +6,12 @@ import {
   changeAssumptions,
   deleteTree,
   fetchMesh,
+  fetchPieces,
   knownSpecies,
   Problem,
   type ReportedTree,
   startPrecompute,
+  thumbnailUrl,
 } from "../server/api";
 import { IMPORT_LIMITS } from "../server/schema";
 import { make } from "../ui/dom";
@@ -21,10 +23,12 @@ import { expectedMotionOf } from "./expectedMotion";
 import { button, numberField, row, select } from "./formRows";
 import { LivelinessChoice } from "./livelinessChoice";
 import { Painting } from "./painting/painting";
+import { readPieceModel } from "./painting/pieceModel";
 import { type PieceChoices, PieceList } from "./pieces";
 import { Preview } from "./preview";
 import { scanFields } from "./scanFields";
 import { SeveralTrees } from "./severalTrees";
+import { splitLegend } from "./split";
 import { addedWoodRow, treeRows } from "./treeRows";
 import { upAxisRow } from "./upAxis";
 
@@ -35,6 +39,8 @@ export class OwnTreeDialog {
   private readonly canvas = make("canvas", "", "own-tree-stage");
   /** The picture and its controls. */
   private readonly view = make("div", "", "own-tree-view");
+  /** The tree in its own colours, beside the split. */
+  private readonly picture = make("img", "", "own-tree-picture");
   private readonly paint = button("Paint pieces", () => void this.startPainting());
   private readonly title = make("h2", "Your tree");
   private readonly side = make("section");
@@ -67,7 +73,10 @@ export class OwnTreeDialog {
     this.dialog.setAttribute("aria-labelledby", this.title.id);
     this.message.setAttribute("role", "status");
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "Detected parts: wood in brown, leaves in green");
+    this.canvas.setAttribute(
+      "aria-label",
+      "Detected parts: wood in brown, leaves in green, left out in red, unsure hatched",
+    );
     const away = button("Discard", () => this.dialog.close());
     this.go.type = "button";
     this.go.addEventListener("click", () => void this.compute());
@@ -76,7 +85,9 @@ export class OwnTreeDialog {
     this.side.append(this.form, this.message, foot);
     const body = make("div", "", "own-tree-body");
     this.paint.hidden = true;
-    this.view.append(this.canvas, this.paint);
+    this.picture.hidden = true;
+    this.picture.alt = "The tree in the colours of its file";
+    this.view.append(this.canvas, this.picture, splitLegend(), this.paint);
     body.append(this.view, this.side);
     this.dialog.append(this.title, body);
     this.dialog.addEventListener("keydown", (event) => this.key(event));
@@ -120,7 +131,11 @@ export class OwnTreeDialog {
     if (!tree.mesh_sha256) return;
     try {
       const model = await readTreeModel(await fetchMesh(tree.mesh_sha256));
-      this.preview.show(model, assumed.vertexPieces);
+      this.preview.show(model, assumed.vertexPieces, assumed.pieces);
+      this.picture.src = thumbnailUrl(tree);
+      this.picture.hidden = false;
+      if (assumed.pieces.some(({ kind }) => kind === "other"))
+        this.preview.showLeftOut(await readPieceModel(await fetchPieces(tree.id)), assumed.placing);
     } catch (error) {
       this.say(error);
     }
@@ -156,7 +171,7 @@ export class OwnTreeDialog {
     this.painting?.finish(false);
     const { tree, uploads } = this;
     const several = new SeveralTrees(
-      { tree, assumed, uploads, firstFrequency_Hz: this.liveliness.firstFrequency_Hz },
+      { tree, assumed, uploads, settings: this.liveliness.settings },
       () => this.dialog.close(),
       () => this.dialog.close(),
     );
@@ -236,7 +251,7 @@ export class OwnTreeDialog {
     if (!fine) return;
     this.busy("Submitting");
     try {
-      await startPrecompute(this.tree.id, { first_frequency_hz: this.liveliness.firstFrequency_Hz });
+      await startPrecompute(this.tree.id, this.liveliness.settings);
       this.started = true;
       this.follow();
     } catch (error) {

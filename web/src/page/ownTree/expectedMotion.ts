@@ -11,6 +11,8 @@ export interface ExpectedMotion {
   readonly first_Hz: number;
   /** At most as stiff as measured trees of this height, and visible in strong wind. */
   readonly lively_Hz: number;
+  /** What the service makes of it unless it is asked for something else: one of the two above. */
+  readonly default_Hz: number;
   readonly sways: readonly Sway[];
   /** Whether its motion is visible with the stiffness of its wood. */
   readonly visible: boolean;
@@ -29,18 +31,25 @@ function swayOf(value: unknown): Sway[] {
 export function expectedMotionOf(report: unknown): ExpectedMotion | null {
   const all = object(report);
   const found = "up_axis" in all ? all : object(all.import);
-  const { first_frequency_hz, lively_frequency_hz, sway, visible } = object(found.expected);
+  const { first_frequency_hz, lively_frequency_hz, default_frequency_hz, sway, visible } = object(
+    found.expected,
+  );
   if (!isNumber(first_frequency_hz) || !isNumber(lively_frequency_hz)) return null;
   return {
     first_Hz: first_frequency_hz,
     lively_Hz: lively_frequency_hz,
+    default_Hz: isNumber(default_frequency_hz) ? default_frequency_hz : first_frequency_hz,
     sways: Array.isArray(sway) ? sway.flatMap(swayOf) : [],
     visible: visible === true,
   };
 }
 
 /** Whether there is room between the stiffness of the wood and a livelier one. */
-export const isAdjustable = ({ first_Hz, lively_Hz }: ExpectedMotion): boolean => lively_Hz < 0.8 * first_Hz;
+export const isAdjustable = ({ first_Hz, lively_Hz }: ExpectedMotion): boolean => lively_Hz < first_Hz;
+
+/** The liveliness that the service chooses. */
+export const defaultLiveliness = ({ first_Hz, default_Hz }: ExpectedMotion): number =>
+  default_Hz < first_Hz ? 1 : 0;
 
 /** First frequency at a liveliness from 0, as stiff as its wood, to 1. */
 export const frequency_Hz = ({ first_Hz, lively_Hz }: ExpectedMotion, liveliness: number): number =>

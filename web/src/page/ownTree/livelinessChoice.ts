@@ -1,11 +1,23 @@
 /** Shows how an uploaded tree is expected to move, with a slider that makes it livelier than its wood. */
+
+import type { BuildSettings } from "../server/api";
 import { make } from "../ui/dom";
-import { type ExpectedMotion, frequency_Hz, isAdjustable, swaysAt, swaysInWords } from "./expectedMotion";
+import {
+  defaultLiveliness,
+  type ExpectedMotion,
+  frequency_Hz,
+  isAdjustable,
+  swaysAt,
+  swaysInWords,
+} from "./expectedMotion";
 
 const STIFF_TEXT =
   "With the stiffness of its wood, its motion would be barely visible. It is therefore made softer, to sway like real " +
   "trees of its height; move the slider to the left to keep the stiffness of its wood.";
 const STILL_TEXT = "Its motion will be barely visible.";
+const MEASURED_TEXT =
+  "Its motion will be barely visible with the stiffness of its wood, which a scanned tree keeps. Move the slider to the " +
+  "right for more motion.";
 const NATURAL_TEXT = "It has the stiffness of its wood. Move the slider to the right for more motion.";
 
 export class LivelinessChoice {
@@ -26,7 +38,7 @@ export class LivelinessChoice {
     this.root.append(make("strong", "Expected sway"), this.words, label, this.reason);
   }
 
-  /** Shows another expectation; the slider starts where the motion is visible. */
+  /** Shows another expectation; the slider starts at what the service chooses. */
   show(expected: ExpectedMotion | null): void {
     this.expected = expected;
     this.root.hidden = expected === null;
@@ -34,8 +46,10 @@ export class LivelinessChoice {
     const adjustable = isAdjustable(expected);
     if (this.slider.parentElement) this.slider.parentElement.hidden = !adjustable;
     this.reason.hidden = !adjustable && expected.visible;
-    this.slider.value = expected.visible ? "0" : "1";
-    this.reason.textContent = expected.visible ? NATURAL_TEXT : adjustable ? STIFF_TEXT : STILL_TEXT;
+    const start = defaultLiveliness(expected);
+    this.slider.value = String(start);
+    const still = !adjustable ? STILL_TEXT : start === 0 ? MEASURED_TEXT : STIFF_TEXT;
+    this.reason.textContent = expected.visible ? NATURAL_TEXT : still;
     this.notify();
   }
 
@@ -51,8 +65,12 @@ export class LivelinessChoice {
     this.slider.setAttribute("aria-valuetext", `${hertz.toPrecision(2)} hertz`);
   }
 
-  /** The first frequency to ask for; null: as stiff as its wood. */
-  get firstFrequency_Hz(): number | null {
-    return this.expected && this.liveliness > 0 ? frequency_Hz(this.expected, this.liveliness) : null;
+  /** The settings to ask for: none at the service's own choice. */
+  get settings(): BuildSettings {
+    const { expected, liveliness } = this;
+    if (!expected || !isAdjustable(expected) || liveliness === defaultLiveliness(expected)) return {};
+    return liveliness === 0
+      ? { stiffness: "as drawn" }
+      : { first_frequency_hz: frequency_Hz(expected, liveliness) };
   }
 }

@@ -1,4 +1,4 @@
-/** Preview of the detected parts: wood in one colour, leaves in another. */
+/** Preview of the detected parts: wood brown, leaves green, left out red, unsure hatched. */
 
 import type { TreeModel, TreePart } from "galewood/trees";
 import {
@@ -13,7 +13,9 @@ import {
 } from "three";
 import { PreviewStage } from "../../scene/previewStage";
 import { isClick } from "../ui/dom";
-import { rowsOfVertices } from "./pieces";
+import type { PieceModel } from "./painting/pieceModel";
+import { type Piece, rowsOfVertices } from "./pieces";
+import { hatchUnsure, leftOutOf, type Placing } from "./split";
 
 const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
 const TURN_RAD_S = 0.35;
@@ -25,6 +27,7 @@ type PreviewMesh = Mesh<BufferGeometry, MeshLambertMaterial>;
 export class Preview {
   readonly stage: PreviewStage;
   private tree: Group | null = null;
+  private leftOut: Group | null = null;
   /** The size of the tree. */
   private frame: TreeModel | null = null;
   /** For each mesh, the row of each vertex. */
@@ -49,16 +52,26 @@ export class Preview {
     );
   }
 
-  /** `vertexPieces` says in runs to which row of the list the vertices of each primitive belong. */
-  show(model: TreeModel, vertexPieces: readonly (readonly number[])[]): void {
+  /**
+   * `vertexPieces` says in runs to which row of the list the vertices of each primitive belong. Uncertain pieces are
+   * hatched.
+   */
+  show(model: TreeModel, vertexPieces: readonly (readonly number[])[], pieces: readonly Piece[]): void {
     this.clear();
     this.tree = new Group();
     this.tree.add(...model.parts.map(meshOf));
     this.rows = model.parts.map((part, k) => rowsOfVertices(vertexPieces[k] ?? [], part.vertices));
+    for (const [k, mesh] of this.meshes.entries()) hatchUnsure(mesh, this.rows[k], pieces);
     this.tree.visible = !this.hidden;
     this.stage.scene.add(this.tree);
     this.frame = model;
     this.stage.frame(model);
+  }
+
+  /** Shows what is left out beside the tree, in red. */
+  showLeftOut(model: PieceModel, placing: Placing): void {
+    this.leftOut = leftOutOf(model, placing);
+    this.tree?.add(this.leftOut);
   }
 
   /** Hides the tree, because something else is drawn in its place. */
@@ -88,7 +101,7 @@ export class Preview {
   }
 
   private get meshes(): PreviewMesh[] {
-    return (this.tree?.children ?? []) as PreviewMesh[];
+    return (this.tree?.children ?? []).filter((child) => child !== this.leftOut) as PreviewMesh[];
   }
 
   private rowAt(canvas: HTMLCanvasElement, event: PointerEvent): number | null {
@@ -115,7 +128,12 @@ export class Preview {
       mesh.material.map?.dispose();
       mesh.material.dispose();
     }
-    this.tree = null;
+    this.leftOut?.traverse((object) => {
+      if (!(object instanceof Mesh)) return;
+      (object.geometry as BufferGeometry).dispose();
+      (object.material as MeshLambertMaterial).dispose();
+    });
+    this.tree = this.leftOut = null;
   }
 
   dispose(): void {

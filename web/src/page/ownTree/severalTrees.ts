@@ -3,6 +3,7 @@ import "./severalTrees.css";
 import { ProgressBar } from "../progress/progressBar";
 import { faultOf } from "../progress/progressCards";
 import {
+  type BuildSettings,
   changeAssumptions,
   copyTree,
   deleteTree,
@@ -16,7 +17,6 @@ import {
 import { make } from "../ui/dom";
 import type { OwnUploads } from "../uploads/ownUploads";
 import type { Assumed, FoundTree } from "./assumed";
-import { type ExpectedMotion, expectedMotionOf, isAdjustable } from "./expectedMotion";
 
 /** The name of each tree: its own in the file, or that of the upload with its number. Pure. */
 export function namesOf(upload: string, trees: readonly FoundTree[]): string[] {
@@ -24,11 +24,6 @@ export function namesOf(upload: string, trees: readonly FoundTree[]): string[] {
   return trees.map(({ name, number }) =>
     name && !twice.has(name) ? `${upload}, ${name}` : `${upload} ${number}`,
   );
-}
-
-/** The frequency that the dialog proposes: null if the tree moves visibly with the stiffness of its wood. Pure. */
-function proposedFrequency_Hz(expected: ExpectedMotion | null): number | null {
-  return expected && !expected.visible && isAdjustable(expected) ? expected.lively_Hz : null;
 }
 
 /** The height to ask for: trees of one file have one unit, also if it is not that of the file. Pure. */
@@ -77,8 +72,8 @@ export interface SeveralHost {
   /** The upload whose file has the trees, and what was detected in it. */
   readonly tree: Tree;
   readonly assumed: Assumed;
-  /** The frequency chosen for the tree that is shown. */
-  readonly firstFrequency_Hz: number | null;
+  /** Chosen for the tree that is shown; the service chooses the stiffness of the others. */
+  readonly settings: BuildSettings;
   readonly uploads: OwnUploads;
 }
 
@@ -132,10 +127,8 @@ export class SeveralTrees {
         if (!entry.found.taken) await deleteTree(tree.id);
         return;
       }
-      const chosen = this.host.firstFrequency_Hz;
-      const hertz = entry.found.taken ? chosen : proposedFrequency_Hz(expectedMotionOf(tree.report));
       if (tree.state === "uploaded" || tree.state === "failed")
-        await startPrecompute(tree.id, { first_frequency_hz: hertz });
+        await startPrecompute(tree.id, entry.found.taken ? this.host.settings : {});
       this.follow(entry, tree);
       if (this.wasLeft(entry) && !entry.found.taken) await this.remove(entry);
     } catch (error) {

@@ -106,7 +106,7 @@ function fact(
   return value === null ? null : { name, value: words(value), meaning };
 }
 
-/** The stiffness that was chosen for this tree relative to that of its wood; null if it is that of its wood. */
+/** The stiffness of this tree relative to that of its wood; null if it is that of its wood. */
 export function chosenStiffness(
   report: unknown,
 ): { factor: number; first_Hz: number; ofWood_Hz: number } | null {
@@ -115,12 +115,13 @@ export function chosenStiffness(
   return factor === null || first_Hz === null || ofWood_Hz === null ? null : { factor, first_Hz, ofWood_Hz };
 }
 
-/** The chosen stiffness as a sentence; empty if it is that of the wood. */
+/** The changed stiffness as a sentence; empty if it is that of the wood. */
 export function stiffnessInWords(report: unknown): string {
   const chosen = chosenStiffness(report);
   if (!chosen) return "";
   const [first, wood] = [chosen.first_Hz, chosen.ofWood_Hz].map((hertz) => hertz.toPrecision(2));
-  return `Its stiffness was chosen: it sways at ${first} Hz instead of the ${wood} Hz of its wood.`;
+  const how = chosen.factor < 1 ? "softer" : "stiffer";
+  return `It is made ${how} than its wood: it sways at ${first} Hz instead of ${wood} Hz.`;
 }
 
 function stiffnessFact(report: unknown): Fact | null {

@@ -9,7 +9,7 @@ export type ReportedTree = Schemas["TreeOut"];
 export type Job = Schemas["JobOut"];
 /** Corrections of an upload; null restores the detected value. */
 export type Assumptions = Schemas["TreeChanges"];
-type BuildSettings = Schemas["BuildSettings"];
+export type BuildSettings = Schemas["BuildSettings"];
 type WoodSpecies = Schemas["WoodSpeciesOut"];
 
 export const isActive = (job: Job | null): job is Job => job?.state === "queued" || job?.state === "running";
@@ -121,6 +121,10 @@ export async function changeAssumptions(treeId: string, assumptions: Assumptions
   };
   return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as ReportedTree;
 }
+
+/** A picture of a tree in its own colours; another mesh has another address. */
+export const thumbnailUrl = ({ id, mesh_sha256 }: { id: string; mesh_sha256: string | null }): string =>
+  `api/trees/${encodeURIComponent(id)}/thumbnail?mesh=${mesh_sha256?.slice(0, 12) ?? ""}`;
 
 /** All pieces of an upload's tree as a GLB, also those that are left out. */
 export async function fetchPieces(treeId: string): Promise<ArrayBuffer> {

@@ -60,13 +60,19 @@ export interface Schemas {
     /** Rotational stiffness of the root plate, kN·m/rad; default: rigid ground. */
     root_stiffness_knm?: number | null;
     /**
-     * Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; default: the
-     * stiffness of its wood.
+     * visible: a stylised tree whose motion would be barely visible gets softer wood, with the first
+     * frequency of real trees of its height; scanned trees keep that of their wood. as drawn: the stiffness
+     * of the wood.
+     */
+    stiffness?: "visible" | "as drawn";
+    /**
+     * Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; default: as
+     * stiffness says.
      */
     first_frequency_hz?: number | null;
     /**
      * Scale the stiffness of the wood so that a steady wind of 18 m/s bends the tree by this share of its
-     * height; default: the stiffness of its wood.
+     * height; default: as stiffness says.
      */
     sway?: number | null;
     /** Custom wood properties; they take precedence over the species. */
