@@ -10,8 +10,6 @@ moved at once (``galewood.solid.skinning.stretch_minimisation``).
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from galewood.solid.skinning.axis import Axis
 from galewood.solid.skinning.bindings import AxisPaths, Bindings
@@ -27,7 +25,7 @@ from galewood.solid.skinning.stretch_minimisation import (
     posed_positions,
 )
 from galewood.solid.skinning.surface_bindings import vertex_bindings
-from galewood.solid.skinning.wood_bindings import WeldedPrimitive, welded_primitive
+from galewood.solid.skinning.wood_bindings import WeldedPrimitive, components, welded_primitive
 from galewood.tree import RenderPrimitive, TreeMesh
 from galewood.util import Floats, Ints
 
@@ -222,9 +220,8 @@ class _Relaxation:
     def bind_small_pieces_rigidly(self) -> None:
         """Bind small pieces to one place that lie across the gap between two branches, such as a cylinder."""
         count = len(self._place)
-        graph = coo_matrix((np.ones(len(self._ends)), self._ends.T), shape=(count, count))
-        pieces, piece = connected_components(graph, directed=False)
-        worst = np.zeros(pieces)
+        piece = components(self._ends, count)
+        worst = np.zeros(int(piece.max()) + 1)
         np.maximum.at(worst, piece[self._ends[:, 0]], self.ratio)
         small = piece_size(self._place, piece) < SMALL_PIECE * float(np.ptp(self._place, axis=0).max())
         for number in np.flatnonzero(small & (worst > TORN_STRETCH)).tolist():

@@ -54,14 +54,15 @@ def test_the_number_of_nodes_falls_with_the_tolerance_and_is_limited() -> None:
     assert len(skin_of(axis, bindings, 1e-9, most=20).node_rest_m) <= 20
 
 
-def test_a_branch_that_is_carried_rigidly_has_no_node_but_its_base() -> None:
+def test_a_branch_that_is_carried_rigidly_needs_no_node() -> None:
     axis, bindings = pole_with_branch(), random_bindings(pole_with_branch(), 3)
     skin = skin_of(axis, bindings, 0.01)
     assert not (skin.node_rest_m[:, 0] > 0).any()
-    beside = bindings.at_m[:, 0] > 0
-    held = skin.joint_nodes[skin.vertex_joint[beside]]
-    assert (held == held[0, 0]).all()
-    np.testing.assert_allclose(skin.node_rest_m[held[0, 0]], (0, 5, 0), atol=1e-6)
+    joint = skin.vertex_joint[bindings.at_m[:, 0] > 0]
+    assert (joint == joint[0]).all()
+    np.testing.assert_allclose(skin.joint_rest_m[joint[0]], (0, 5, 0), atol=1e-6)
+    bare = skin_of(axis, bindings.take(np.flatnonzero(bindings.at_m[:, 0] == 0)), 0.01)
+    np.testing.assert_array_equal(skin.node_rest_m, bare.node_rest_m)
 
 
 def test_nodes_follow_those_before_them() -> None:
