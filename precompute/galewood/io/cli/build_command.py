@@ -158,12 +158,13 @@ def _build_one(
         bare_path(out).write_bytes(result.bare_table)
         bare_path(out).with_suffix(".glb").write_bytes(result.render_glb)
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
-    rest_pose = result.report["model"]["rest_pose"]
-    for warning in [rest_pose[name] for name in ("warning", "note") if name in rest_pose]:
+    rest_pose, drawn = result.report["model"]["rest_pose"], result.report["drawn"]
+    warnings = [rest_pose[name] for name in ("warning", "note") if name in rest_pose]
+    for warning in [*warnings, *([drawn["warning"]] if "warning" in drawn else [])]:
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     for line in tree_lines(result.report["tree"]):
         console.print(line)
-    if line := distortion_line(result.report["drawn"]):
+    if line := distortion_line(drawn):
         console.print(line)
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")

@@ -24,6 +24,7 @@ from galewood.pipeline.tables import (
     build_report,
     compliance_file,
     describe,
+    encoded_unless_torn,
     goal_of,
     scaled_to,
 )
@@ -135,7 +136,7 @@ def simulate_runs(modelled: ModelledTree, context: BuildContext) -> SimulatedTre
 
     def publish_early() -> None:
         context.artefacts.publish(
-            TableStage.EARLY.file, lambda: encode(modelled.table(TableStage.EARLY).table)
+            TableStage.EARLY.file, lambda: encoded_unless_torn(modelled.table(TableStage.EARLY).table)
         )
 
     simulate(modelled.samples, context.runner, context.progress.report, publish_early)

@@ -8,7 +8,13 @@ from galewood.pipeline.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.stages.artefacts import RENDER_MESH_FILE
 from galewood.pipeline.stages.context import BuildContext, runs_as
 from galewood.pipeline.stages.stage import Stage
-from galewood.pipeline.tables import RenderMesh, TableStage, beam_table, render_mesh
+from galewood.pipeline.tables import (
+    RenderMesh,
+    TableStage,
+    beam_table,
+    encoded_unless_torn,
+    render_mesh,
+)
 from galewood.solid.fem import FemModel
 from galewood.solid.model import LumpedMasses, TreeModel, bind_foliage, in_added_wood
 from galewood.solid.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
@@ -73,7 +79,9 @@ def import_tree(file: MeshFile, context: BuildContext) -> ImportedTree:
     tree, render_glb = import_mesh_sandboxed(file.content, file.name, context.options)
     context.on_import(tree)
     context.artefacts.publish(RENDER_MESH_FILE, lambda: render_glb)
-    context.artefacts.compute(TableStage.BEAMS.file, lambda: beam_table(tree, context.options, render_glb))
+    context.artefacts.compute(
+        TableStage.BEAMS.file, lambda: encoded_unless_torn(beam_table(tree, context.options, render_glb))
+    )
     return ImportedTree(tree, render_glb)
 
 

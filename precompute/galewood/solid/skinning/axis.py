@@ -77,7 +77,7 @@ class Axis:
         return tried.take(count * np.arange(len(points_m)) + best)
 
     def nearest_along(self, points_m: Floats, child: Ints) -> Bindings:
-        """Bindings of points (v, 3) to near places, sought from some links (v,) onwards, from link to link."""
+        """Bindings of points (v, 3) to near places, sought from some links (v,) on, from link to link."""
         child = np.asarray(child, np.int64).copy()
         _, cost_m = self._beside(points_m, child)
         sought, adjacent = np.arange(len(child)), self._adjacent

@@ -65,7 +65,7 @@ class AxisMotion:
 
     @cached_property
     def off_rigid_m(self) -> list[float]:
-        """How far each branch, with all it bears, is from where it would be if it were rigid with its limb."""
+        """How far each branch, with all it bears, is from where it would be if rigid with its limb."""
         return [
             np.inf if line.limb < 0 else self._off_rigid_m(borne, line.limb)
             for line, borne in zip(self.lines, self.borne, strict=True)

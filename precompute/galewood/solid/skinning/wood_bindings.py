@@ -28,8 +28,8 @@ SLOPE_ALONG, SLOPE_AROUND = 1.3, 0.1
 """Largest distance of two bindings along the axis, relative to the length of the edge between their vertices
 along the axis, and to its whole length. The sum is above 1, so that beyond a fork bindings are again beside
 their vertices."""
-FORK_REACH = 4.0
-"""Distance of two bindings, relative to the radius of the limb, up to which it is limited."""
+FORK_REACH, FORK_SHARE = 4.0, 0.05
+"""Distance of two bindings, over the radius of the limb or over the extent, up to which it is limited."""
 SMALL_PIECE = 0.15
 """Of a closed surface smaller than this, relative to the extent, also larger distances are limited, up to its
 size."""
@@ -38,8 +38,8 @@ TORN_SLOPE = 1.5
 """Distance of two bindings, relative to the largest allowed, from which an edge between them is torn."""
 AWAY_RADII = 2.0
 """A vertex that is bound again is held by a branch whose bark is farther by at most so many of its radii."""
-LARGEST_DISTANCE = 0.2
-"""Distance from the bark of its branch, relative to its size, from which a small piece is bound to one place."""
+LARGEST_DISTANCE = 0.1
+"""Distance from the bark of its branch, over its size, from which a small piece is bound to one place."""
 
 
 def wood_bindings(wood: RenderPrimitive, axis: Axis) -> Bindings:
@@ -183,7 +183,8 @@ def _of_one_fork(child: Ints, arc: Floats, place_m: Floats, ends: Ints, axis: Ax
     fork, together = axis.paths.fork_m(child[ends[:, 0]], first, child[ends[:, 1]], second)
     radius_m = axis.radius_m[axis.paths.common_ancestors(child[ends[:, 0]], child[ends[:, 1]])]
     piece, size_m = _small_pieces(place_m, ends)
-    reach_m = np.maximum(FORK_REACH * radius_m, size_m[piece[ends[:, 0]]])
+    extent_m = float(np.ptp(place_m, axis=0).max())
+    reach_m = np.maximum(np.maximum(FORK_REACH * radius_m, FORK_SHARE * extent_m), size_m[piece[ends[:, 0]]])
     return together & (first + second - 2 * fork < reach_m + _largest_distance_m(child, place_m, ends, axis))
 
 

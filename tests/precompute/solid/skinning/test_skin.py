@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from galewood.solid.skinning import Axis, Bindings, MotionSamples, Skin, joint_rows, make_skin
 from galewood.util import Floats
+from scipy.sparse import csr_matrix
 
 from tests.precompute.solid.skinning.poles import pole_with_branch
 
 
 def bending(axis: Axis) -> Floats:
-    """A basis that bends the pole in two directions; the branch is carried by its base without turning."""
-    height = axis.points_m[:, 1].copy()
-    height[axis.points_m[:, 0] > 0] = 5.0
+    """A basis that bends the pole in two directions; branches are carried by their bases without turning."""
+    height = np.where(axis.points_m[:, 0] > 0, axis.points_m[axis.parent, 1], axis.points_m[:, 1])
     basis = np.zeros((len(height), 3, 2))
     basis[:, 0, 0] = basis[:, 2, 1] = (height / 10) ** 2
     return basis
@@ -72,3 +72,15 @@ def test_nodes_follow_those_before_them() -> None:
     assert (parent <= own).all() and (parent == own).sum() == 1
     rise = skin.node_rest_m[1:, 1] - skin.node_rest_m[parent[1:], 1]
     assert (rise > 0).all()
+
+
+def test_hundreds_of_twigs_do_not_use_up_the_nodes() -> None:
+    stem = pole_with_branch(points=1001, beside=1)
+    tips = stem.points_m[100:1000] + np.array([0.3, 0, 0])
+    points = np.concatenate([stem.points_m, tips])
+    parent = np.concatenate([stem.parent, np.arange(100, 1000)])
+    moved = csr_matrix(np.eye(len(points)))
+    axis = Axis(points, parent, np.full(len(points), 0.01), moved, csr_matrix((3 * len(points),) * 2))
+    skin = skin_of(axis, random_bindings(axis, 5), 0.01, most=100)
+    assert len(skin.node_rest_m) < 20, "as many as without the twigs"
+    assert skin.max_error_m < 0.01
