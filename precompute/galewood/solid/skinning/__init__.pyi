@@ -5,7 +5,6 @@ from .axis import axis_of_frame as axis_of_frame
 from .axis import axis_of_tets as axis_of_tets
 from .bindings import Bindings as Bindings
 from .distortion import FIGURE_SWAY as FIGURE_SWAY
-from .distortion import LARGEST_STRETCH as LARGEST_STRETCH
 from .distortion import Distortion as Distortion
 from .distortion import distortion_line as distortion_line
 from .distortion import is_torn as is_torn

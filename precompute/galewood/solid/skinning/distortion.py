@@ -20,7 +20,7 @@ FIGURE_SWAY = 0.2
 HEADING_COUNT = 8
 SHORTEST_EDGE_M = 0.005
 """Shorter edges are not measured: nobody sees them."""
-LARGEST_STRETCH = 1.3
+MOST_STRETCH = 1.3
 """Length of an edge of the wood, relative to rest, beyond which a tree looks torn."""
 TYPICAL_PERCENTILE, WORST_PERCENTILE = 99.9, 100.0
 COMPARED_SUPPORTS = 16
@@ -121,7 +121,7 @@ class Distortion:
 
 def is_torn(figures: Mapping[str, float]) -> bool:
     """Whether the figures of ``Distortion.in_poses`` are those of a tree that looks torn."""
-    return figures.get("wood_stretch_worst", 1.0) > LARGEST_STRETCH
+    return figures.get("wood_stretch_worst", 1.0) > MOST_STRETCH
 
 
 def stretch_words(figures: Mapping[str, float]) -> str:

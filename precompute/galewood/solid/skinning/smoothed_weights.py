@@ -18,12 +18,12 @@ from galewood.solid.skinning.bindings import AxisPaths, Bindings
 from galewood.solid.skinning.embedding import piece_size
 from galewood.solid.skinning.skin import JOINTS_PER_LINK
 from galewood.solid.skinning.stretch_minimisation import (
-    COST_POWER,
     SLIDING_RINGS,
     AxisPoses,
     EdgeMesh,
     StretchMinimisation,
     axis_poses,
+    hardest_poses,
     posed_positions,
 )
 from galewood.solid.skinning.surface_bindings import vertex_bindings
@@ -102,10 +102,11 @@ def smoothed_weights(
     tries = effort.tries if len(welded.ends) < FEW_EDGES else 1
     is_fixed = np.zeros(len(welded.place_m), bool)
     is_fixed[fixed if fixed is not None else []] = True
-    hardest = _hardest(welded, bindings, axis, poses, effort.poses)
+    mesh = EdgeMesh(welded.place_m, welded.ends, np.sqrt(welded.squared_m2))
+    poses = hardest_poses(mesh, bindings, axis.paths, poses, effort.poses)
     found = [
         _smoothed(
-            _Relaxation(welded, axis.paths, hardest, bindings, is_fixed), effort, RELAXATION_SEED + number
+            _Relaxation(welded, axis.paths, poses, bindings, is_fixed), effort, RELAXATION_SEED + number
         )
         for number in range(tries)
     ]
@@ -113,24 +114,6 @@ def smoothed_weights(
     if fixed is None or not len(fixed):
         best.bind_small_pieces_rigidly()
     return best.bindings(bindings.distance_m)
-
-
-def _hardest(
-    welded: WeldedPrimitive, bindings: Bindings, axis: Axis, poses: AxisPoses, count: int
-) -> AxisPoses:
-    """Those poses that together stretch the edges most: each adds the most to those before it."""
-    total = poses.moved_m.shape[2]
-    if total <= count:
-        return poses
-    place = posed_positions(welded.place_m, *axis.paths.places(bindings), axis.paths, poses)
-    length = np.linalg.norm(place[welded.ends[:, 0]] - place[welded.ends[:, 1]], axis=2)
-    excess = np.maximum(length / np.sqrt(welded.squared_m2)[:, None] - 1.0, 0.0) ** COST_POWER  # (e, k)
-    covered, chosen = np.zeros(len(excess)), list[int]()
-    for _ in range(count):
-        chosen.append(int(np.maximum(excess, covered[:, None]).sum(axis=0).argmax()))
-        covered = np.maximum(covered, excess[:, chosen[-1]])
-    own = np.unique(chosen)
-    return AxisPoses(poses.moved_m[:, :, own], poses.turned[:, :, own])
 
 
 def _smoothed(mesh: _Relaxation, effort: Effort, seed: int) -> _Relaxation:
