@@ -92,7 +92,7 @@ def _pulled(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) -> lis
 
 def encoded_unless_torn(table: Table) -> bytes | None:
     """The file of a preliminary table; None if it tears the tree, which stands still until the next one."""
-    drawn = table.metadata["drawn"]
+    drawn = table.metadata.get("drawn", {})
     if not is_torn(drawn):
         return encode(table)
     log.info("the table '%s' %s", table.metadata["provenance"]["stage"], stretch_words(drawn))
