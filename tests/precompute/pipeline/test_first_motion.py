@@ -13,7 +13,6 @@ from galewood.pipeline.stages.context import BuildContext
 from galewood.pipeline.stages.solid import ImportedTree, MeshFile, import_tree
 from galewood.pipeline.stages.stage import StageProgress
 from galewood.pipeline.tables import BuildOptions, beam_table
-from galewood.table import decode
 from galewood.tree import read_tree, render_glb
 from galewood.util import WorkerPool
 
@@ -62,7 +61,7 @@ def test_a_build_publishes_its_first_table_without_workers(
 def test_the_first_table_does_not_depend_on_what_later_stages_read(imported: ImportedTree) -> None:
     assert CHANGED.keys() == AFTER_BEAMS
     plain, other = (
-        decode(beam_table(imported.tree, options, imported.render_glb))
+        beam_table(imported.tree, options, imported.render_glb)
         for options in (BuildOptions(), BuildOptions.model_validate(CHANGED))
     )
     for name, array in vars(plain).items():

@@ -161,12 +161,13 @@ def _build_one(
         bare_path(out).write_bytes(result.bare_table)
         bare_path(out).with_suffix(".glb").write_bytes(result.render_glb)
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
-    told = [result.report["model"].get(name, {}) for name in ("rest_pose", "stiffness")]
+    drawn = result.report["drawn"]
+    told = [drawn, *(result.report["model"].get(name, {}) for name in ("rest_pose", "stiffness"))]
     for warning in [one[name] for one in told for name in ("warning", "note") if name in one]:
         print_warning("Warning:", str(warning))
     for line in tree_lines(result.report["tree"]):
         console.print(line)
-    if line := distortion_line(result.report["drawn"]):
+    if line := distortion_line(drawn):
         console.print(line)
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")

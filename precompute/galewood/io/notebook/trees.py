@@ -51,4 +51,4 @@ def _loaded(tree: str | Path, mesh: str | Path | None) -> MotionTable:
 
 def _estimated(tree: Tree) -> MotionTable:
     """The preliminary table that a build has after its first second."""
-    return MotionTable(beam_table(tree.mesh, BuildOptions(), tree.render_glb), tree.render_glb)
+    return MotionTable(encode(beam_table(tree.mesh, BuildOptions(), tree.render_glb)), tree.render_glb)

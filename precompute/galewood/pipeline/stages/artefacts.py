@@ -44,7 +44,7 @@ class ArtefactPublisher:
             future = self._pool.start(picture, *args, **kwargs)
             future.add_done_callback(lambda drawn: self._publish_safely(name, drawn.result))
 
-    def compute(self, name: str, make: Callable[[], bytes]) -> None:
+    def compute(self, name: str, make: Callable[[], bytes | None]) -> None:
         """Start computing an artefact in a thread; it is published when it is done.
 
         The workers are still starting when the first table is wanted, and this process waits for the mesher.
@@ -59,7 +59,7 @@ class ArtefactPublisher:
         while self._computing:
             self._computing.pop().join()
 
-    def _publish_safely(self, name: str, make: Callable[[], bytes]) -> None:
+    def _publish_safely(self, name: str, make: Callable[[], bytes | None]) -> None:
         try:
             self.publish(name, make)
         except CancelledError:
@@ -67,9 +67,12 @@ class ArtefactPublisher:
         except Exception:
             log.exception("could not publish %s", name)
 
-    def publish(self, name: str, make: Callable[[], bytes]) -> None:
-        """Publish the result of ``make``; without ``publish`` it is not called."""
+    def publish(self, name: str, make: Callable[[], bytes | None]) -> None:
+        """Publish the result of ``make``, unless it is None; without ``publish`` it is not called."""
         if self._publish:
             content = make()
+            if content is None:
+                log.info("%s is not published", name)
+                return
             with self._lock:
                 self._publish(name, content)

@@ -25,12 +25,13 @@ from galewood.pipeline.tables import (
     build_report,
     compliance_file,
     describe,
+    encoded_unless_torn,
     goal_of,
     scaled_to,
 )
 from galewood.solid.fem import FemModel, Simulator
 from galewood.solid.model import unloaded_model
-from galewood.table import Records, encode
+from galewood.table import Records
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ def simulate_runs(modelled: ModelledTree, context: BuildContext) -> SimulatedTre
 
     def publish_early() -> None:
         context.artefacts.publish(
-            TableStage.EARLY.file, lambda: encode(modelled.table(TableStage.EARLY).table)
+            TableStage.EARLY.file, lambda: encoded_unless_torn(modelled.table(TableStage.EARLY).table)
         )
 
     simulate(modelled.samples, context.runner, context.progress.report, publish_early)

@@ -42,7 +42,7 @@ class ReadUpload:
     tree: bytes
     """The tree for a build: a file that ``kept_tree`` reads."""
     beams: bytes | None
-    """The table of beams along its branches; None: not asked for, or no beams can be laid along them."""
+    """The table of beams along its branches; None: not asked for, cannot be made, or tears the tree."""
 
 
 def read_upload(
@@ -117,11 +117,15 @@ def read_in_child(arguments: Arrays) -> Arrays:
 
 
 def _beams(tree: TreeMesh, options: ImportRequest, render_glb: bytes) -> bytes | None:
-    """The first table of a build with these options; None if there can be none, which fails no upload."""
-    from galewood.pipeline.tables import BuildOptions, beam_table
+    """The first table of a build with these options; None if it tears the tree or cannot be made.
+
+    Neither fails an upload.
+    """
+    from galewood.pipeline.tables import BuildOptions, beam_table, encoded_unless_torn
 
     try:
-        return beam_table(tree, BuildOptions.model_validate(_as_json(options)), render_glb)
+        table = beam_table(tree, BuildOptions.model_validate(_as_json(options)), render_glb)
+        return encoded_unless_torn(table)
     except Exception:
         log.exception("no table of beams")
         return None

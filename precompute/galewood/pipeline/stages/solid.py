@@ -8,7 +8,13 @@ from galewood.pipeline.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.stages.artefacts import RENDER_MESH_FILE
 from galewood.pipeline.stages.context import BuildContext, runs_as
 from galewood.pipeline.stages.stage import Stage
-from galewood.pipeline.tables import RenderMesh, TableStage, beam_table, render_mesh
+from galewood.pipeline.tables import (
+    RenderMesh,
+    TableStage,
+    beam_table,
+    encoded_unless_torn,
+    render_mesh,
+)
 from galewood.solid.fem import FemModel
 from galewood.solid.model import LumpedMasses, TreeModel, bind_foliage, in_added_wood
 from galewood.solid.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
@@ -83,7 +89,8 @@ def import_tree(file: MeshFile, context: BuildContext) -> ImportedTree:
     context.artefacts.publish(RENDER_MESH_FILE, lambda: render_glb)
     if not imported.moving:
         context.artefacts.compute(
-            TableStage.BEAMS.file, lambda: beam_table(tree, context.options, render_glb)
+            TableStage.BEAMS.file,
+            lambda: encoded_unless_torn(beam_table(tree, context.options, render_glb)),
         )
     return imported
 

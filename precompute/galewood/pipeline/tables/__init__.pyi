@@ -5,6 +5,7 @@ from .assemble import assemble_records as assemble_records
 from .assemble import assemble_table as assemble_table
 from .assemble import internal_states as internal_states
 from .compliance import compliance_file as compliance_file
+from .drawn import encoded_unless_torn as encoded_unless_torn
 from .expected import expected_motion as expected_motion
 from .expected import motion_lines as motion_lines
 from .expected import with_expected_motion as with_expected_motion

@@ -28,10 +28,19 @@ from galewood.pipeline.reduction import (
     quantum,
 )
 from galewood.pipeline.sampling import SampledRun, SampleWind
+from galewood.pipeline.tables.drawn import CHECKED, FITTED, drawn_poses
 from galewood.pipeline.tables.options import TableSettings
 from galewood.pipeline.tables.surface import RenderMesh
 from galewood.solid.fem import FemSettings
-from galewood.solid.skinning import MotionSamples, Skin, make_skin, with_attached_pieces
+from galewood.solid.skinning import (
+    QUICK,
+    THOROUGH,
+    Effort,
+    MotionSamples,
+    Skin,
+    make_skin,
+    with_attached_pieces,
+)
 from galewood.table import Metadata, Records, Table
 from galewood.util import Array, Floats
 
@@ -72,7 +81,7 @@ def assemble_linear(
     """
     linear = linear_motion(body, of.mass_kg, winds, fem)
     motion = ModalMotion(linear.modal, linear.subspace, linear.q, [wind.pressure_pa for wind in winds])
-    return _table(motion, {}, of)
+    return _drawn_table(motion, {}, of, QUICK)
 
 
 def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
@@ -85,13 +94,9 @@ def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
         "training_m": model.training_error_m,
     }
     q = [subspace.project(run.displacement_m) for run in training.runs]
-    of = replace(of, mesh=of.mesh.smoothed(subspace.basis, np.concatenate(q)))
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
-    table = _table(ModalMotion(model.modal, subspace, q, winds_pa), errors, of)
-    if of.mesh.distortion:
-        table = with_attached_pieces(table, of.mesh.distortion, q)
-        table.metadata["drawn"] = of.mesh.distortion.of(table, q)
-    return DefaultPart(table, subspace)
+    motion = ModalMotion(model.modal, subspace, q, winds_pa)
+    return DefaultPart(_drawn_table(motion, errors, of, THOROUGH), subspace)
 
 
 def assemble_records(
@@ -151,6 +156,22 @@ class ModalMotion:
     def strongest_pa(self) -> float:
         """Strength of the strongest wind, Pa."""
         return max(float(np.linalg.norm(wind, axis=1).max(initial=0.0)) for wind in self.winds_pa)
+
+
+def _drawn_table(motion: ModalMotion, errors: Metadata, of: TableContext, effort: Effort) -> Table:
+    """The table of a modal model with smoothed weights, checked in poses they were not smoothed for."""
+    table, distortion = _table(motion, errors, of), of.mesh.distortion
+    if distortion is None:
+        return table
+    fitted = drawn_poses(table, distortion.rest_m, distortion.wood, FITTED)
+    fitted = np.concatenate([fitted, distortion.far_poses(table, motion.q)])
+    mesh = of.mesh.smoothed(distortion.tree, motion.subspace.basis, fitted, effort)
+    table = _table(motion, errors, replace(of, mesh=mesh))
+    if effort is THOROUGH:
+        table = with_attached_pieces(table, distortion, motion.q)
+    checked = drawn_poses(table, distortion.rest_m, distortion.wood, CHECKED)
+    table.metadata["drawn"] = distortion.in_poses(table, checked, gaps=effort is THOROUGH)
+    return table
 
 
 def _table(motion: ModalMotion, errors: Metadata, of: TableContext) -> Table:

@@ -14,12 +14,12 @@ from galewood.pipeline.tables.surface import render_mesh
 from galewood.pipeline.tables.table_stage import TableStage
 from galewood.solid.fem import rayleigh
 from galewood.solid.model import BeamModel, beam_model
-from galewood.table import encode
+from galewood.table import Table
 from galewood.tree import TreeMesh
 
 
-def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> bytes:
-    """A preliminary table file of an imported tree, within a second.
+def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> Table:
+    """A preliminary table of an imported tree, within a second.
 
     Raises ValueError if the surface of the wood has no branches that beams could follow.
     """
@@ -40,7 +40,7 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
     winds = training_winds(oscillators, model.mass_kg, tree.height_m, options.fem, options.seed)
     table = assemble_linear(oscillators, winds, options.fem, of)
     TableStage.BEAMS.mark(table)
-    return encode(table)
+    return table
 
 
 def _design_speed(model: BeamModel, asked_m_s: float, height_m: float) -> float:

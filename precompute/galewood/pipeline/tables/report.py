@@ -14,6 +14,7 @@ from galewood.pipeline.tables.options import BuildOptions
 from galewood.pipeline.tables.summary import figures_of
 from galewood.solid.fem import FemModel
 from galewood.solid.model import TreeModel
+from galewood.solid.skinning import is_torn, stretch_words
 from galewood.table import Metadata, Records, Table
 from galewood.tree import TreeMesh
 
@@ -99,8 +100,14 @@ def build_report(
             "joints": len(table.joint_share),
             **(_of_records(records) if records else {}),
         },
-        "drawn": table.metadata.get("drawn", {}),
+        "drawn": _drawn(table),
     }
+
+
+def _drawn(table: Table) -> dict[str, Any]:
+    """The figures of what is drawn, with a warning if the tree would look torn."""
+    drawn = table.metadata.get("drawn", {})
+    return {**drawn, "warning": f"The table {stretch_words(drawn)}."} if is_torn(drawn) else drawn
 
 
 def _of_records(records: Records) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.solid.skinning import Axis, Bindings, Distortion, smoothed_bindings, vertex_bindings
+from galewood.solid.skinning import Axis, Bindings, Distortion, Effort, smoothed_bindings, vertex_bindings
 from galewood.tree import TreeMesh
 from galewood.util import Floats
 
@@ -25,11 +25,9 @@ class RenderMesh:
     distortion: Distortion | None = None
     """Measures what is drawn; None: nothing is measured, and the weights are not smoothed."""
 
-    def smoothed(self, basis: Floats, q: Floats) -> RenderMesh:
-        """The mesh with skinning weights smoothed for the runs q (T, r) of the modes ``basis`` (N, 3, r)."""
-        if self.distortion is None:
-            return self
-        return replace(self, bindings=smoothed_bindings(self.distortion.tree, self.axis, basis, q))
+    def smoothed(self, tree: TreeMesh, basis: Floats, q: Floats, effort: Effort) -> RenderMesh:
+        """The mesh with skinning weights smoothed for far poses q (k, r) of the modes ``basis`` (N, 3, r)."""
+        return replace(self, bindings=smoothed_bindings(tree, self.axis, basis, q, effort))
 
 
 def render_mesh(tree: TreeMesh, embedding: scipy.sparse.csr_matrix, axis: Axis) -> RenderMesh:

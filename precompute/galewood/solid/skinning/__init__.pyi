@@ -4,8 +4,11 @@ from .axis import Axis as Axis
 from .axis import axis_of_frame as axis_of_frame
 from .axis import axis_of_tets as axis_of_tets
 from .bindings import Bindings as Bindings
+from .distortion import FIGURE_SWAY as FIGURE_SWAY
 from .distortion import Distortion as Distortion
 from .distortion import distortion_line as distortion_line
+from .distortion import is_torn as is_torn
+from .distortion import stretch_words as stretch_words
 from .embedding import LARGEST_RIGID_PIECE as LARGEST_RIGID_PIECE
 from .embedding import leading_vertices as leading_vertices
 from .embedding import nearest_tets as nearest_tets
@@ -21,5 +24,8 @@ from .node_poses import vertex_rows as vertex_rows
 from .skin import MotionSamples as MotionSamples
 from .skin import Skin as Skin
 from .skin import make_skin as make_skin
+from .smoothed_weights import QUICK as QUICK
+from .smoothed_weights import THOROUGH as THOROUGH
+from .smoothed_weights import Effort as Effort
 from .smoothed_weights import smoothed_bindings as smoothed_bindings
 from .surface_bindings import vertex_bindings as vertex_bindings

@@ -67,20 +67,52 @@ class Axis:
         """Bindings of points (v, 3) to the nearest places on the branches whose bark is nearest."""
         child = self.links
         start = self.points_m[self.parent[child]]
-        along = self.points_m[child] - start
         step = (np.arange(PLACES_PER_LINK) + 0.5) / PLACES_PER_LINK
-        places = (start[:, None] + step[:, None] * along[:, None]).reshape(-1, 3)
-        count = min(COMPARED_PLACES, len(places))
-        _, near = KDTree(places).query(points_m, k=count)
-        link = near.reshape(len(points_m), count) // PLACES_PER_LINK
-        offset = points_m[:, None] - start[link]
-        squared = np.maximum(np.einsum("ki,ki->k", along, along), 1e-300)
-        share = np.clip(np.einsum("vki,vki->vk", offset, along[link]) / squared[link], 0.0, 1.0)
-        distance = np.linalg.norm(offset - share[..., None] * along[link], axis=2)
-        apart = np.maximum(distance - self.radius_m[child][link], 0.0)
-        row, best = np.arange(len(points_m)), (apart + AXIS_DISTANCE_WEIGHT * distance).argmin(axis=1)
-        own, at = link[row, best], share[row, best]
-        return Bindings(child[own], at, start[own] + at[:, None] * along[own], apart[row, best])
+        places = start[:, None] + step[:, None] * (self.points_m[child] - start)[:, None]
+        count = min(COMPARED_PLACES, places.shape[0] * places.shape[1])
+        _, near = KDTree(places.reshape(-1, 3)).query(points_m, k=count)
+        link = child[np.reshape(near, -1) // PLACES_PER_LINK]
+        tried, cost_m = self._beside(np.repeat(points_m, count, axis=0), link)
+        best = cost_m.reshape(len(points_m), count).argmin(axis=1)
+        return tried.take(count * np.arange(len(points_m)) + best)
+
+    def nearest_along(self, points_m: Floats, child: Ints) -> Bindings:
+        """Bindings of points (v, 3) to near places, sought from some links (v,) on, from link to link."""
+        child = np.asarray(child, np.int64).copy()
+        _, cost_m = self._beside(points_m, child)
+        sought, adjacent = np.arange(len(child)), self._adjacent
+        while len(sought):
+            first, count = adjacent.indptr[child[sought]], np.diff(adjacent.indptr)[child[sought]]
+            row = np.repeat(np.arange(len(sought)), count)
+            within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+            link = adjacent.indices[first[row] + within].astype(np.int64)
+            _, asked_m = self._beside(points_m[sought[row]], link)
+            order = np.lexsort((asked_m, row))
+            best = order[np.unique(row[order], return_index=True)[1]]
+            best = best[asked_m[best] < cost_m[sought[row[best]]] - 1e-12]
+            sought = sought[row[best]]
+            child[sought], cost_m[sought] = link[best], asked_m[best]
+        return self._beside(points_m, child)[0]
+
+    def _beside(self, points_m: Floats, child: Ints) -> tuple[Bindings, Floats]:
+        """Bindings of points (v, 3) to the nearest places on some links (v,), and what they cost (v,), m."""
+        start = self.points_m[self.parent[child]]
+        along, offset = self.points_m[child] - start, points_m - start
+        squared = np.maximum(np.einsum("vi,vi->v", along, along), 1e-300)
+        share = np.clip(np.einsum("vi,vi->v", offset, along) / squared, 0.0, 1.0)
+        distance = np.linalg.norm(offset - share[:, None] * along, axis=1)
+        apart = np.maximum(distance - self.radius_m[child], 0.0)
+        bindings = Bindings(child, share, start + share[:, None] * along, apart)
+        return bindings, apart + AXIS_DISTANCE_WEIGHT * distance
+
+    @cached_property
+    def _adjacent(self) -> csr_matrix:
+        """(p, p) which links have a point in common; each is named by the point it ends at."""
+        count, child = len(self.parent), self.links
+        borne = csr_matrix((np.ones(len(child), bool), (self.parent[child], child)), shape=(count, count))
+        later = child[self.parent[self.parent[child]] >= 0]
+        next_ = csr_matrix((np.ones(len(later), bool), (self.parent[later], later)), shape=(count, count))
+        return csr_matrix(csr_matrix(borne.T @ borne) + next_ + next_.T)
 
 
 def axis_of_tets(mesh: TetMesh, skeleton: Skeleton) -> Axis:

@@ -2,7 +2,8 @@
 
 Along every branch the motion in strong wind is a curve, which is simplified by the method of Douglas and
 Peucker (1973): the point farthest from the chord is kept until none is farther than a tolerance. A branch
-that stays rigid relative to its limb keeps no point of its own.
+that stays rigid relative to its limb, with all that it bears, needs no node: it is carried by the place it
+grows from. So the motion is continuous at every fork, however large the tolerance.
 """
 
 from __future__ import annotations
@@ -50,17 +51,58 @@ class AxisMotion:
         """All branches, limbs before what they bear."""
         return longest_lines(self.points_m, self.parent)
 
-    def off_chord_m(self, points: Ints, arc_m: Floats) -> Floats:
-        """(len(points),) largest distance of each point from the interpolation between both ends."""
+    @cached_property
+    def borne(self) -> list[Ints]:
+        """The points of each branch and of all that grow from it."""
+        line_of = np.zeros(len(self.parent), np.int64)
+        for number, line in enumerate(self.lines):
+            line_of[line.own] = number
+        parts = [[line.own] for line in self.lines]
+        for number in range(len(self.lines) - 1, -1, -1):
+            if self.lines[number].limb >= 0:
+                parts[int(line_of[self.lines[number].limb])] += parts[number]
+        return [np.concatenate(part) for part in parts]
+
+    @cached_property
+    def off_rigid_m(self) -> list[float]:
+        """How far each branch, with all it bears, is from where it would be if rigid with its limb."""
+        return [
+            np.inf if line.limb < 0 else self._off_rigid_m(borne, line.limb)
+            for line, borne in zip(self.lines, self.borne, strict=True)
+        ]
+
+    @cached_property
+    def off_chords_m(self) -> list[Floats]:
+        """For the points of each branch, the tolerance below which they are kept (Douglas and Peucker)."""
+        return [self._off_chords_m(line.points) for line in self.lines]
+
+    def _off_chords_m(self, points: Ints) -> Floats:
+        arc_m = arc_lengths(self.points_m[points])
+        kept_below = np.full(len(points), np.inf)
+        open_ = [(0, len(points) - 1, np.inf)]
+        while open_:
+            first, last, most = open_.pop()
+            if last - first < 2:
+                continue
+            off = self._off_chord_m(points[first : last + 1], arc_m[first : last + 1])
+            worst = int(off.argmax())
+            most = min(most, float(off[worst]))
+            kept_below[first + worst] = most
+            open_ += [(first, first + worst, most), (first + worst, last, most)]
+        return kept_below
+
+    def _off_chord_m(self, points: Ints, arc_m: Floats) -> Floats:
+        """(len(points),) largest distance of each inner point from the interpolation between both ends."""
         share = ((arc_m - arc_m[0]) / max(arc_m[-1] - arc_m[0], 1e-12))[:, None, None]
         off = np.zeros(len(points))
         for values, unit in ((self.moved_m, 1.0), (self.turned, self.arm_m)):
             own = values[points]
             chord = own[:1] + share * (own[-1:] - own[:1])
             off = np.maximum(off, unit * np.linalg.norm(own - chord, axis=1).max(axis=1, initial=0.0))
+        off[[0, -1]] = -1.0
         return off
 
-    def off_rigid_m(self, points: Ints, base: int) -> float:
+    def _off_rigid_m(self, points: Ints, base: int) -> float:
         """Largest distance of points from where they would be if they were rigid with ``base``."""
         arm = self.points_m[points] - self.points_m[base]
         wide = np.broadcast_to(arm[:, None], (len(arm), self.turned.shape[2], 3))
@@ -74,7 +116,7 @@ class SimplifiedAxis:
     """The kept points (n,) of an axis, the nodes, and how all points (p,) refer to them.
 
     ``line`` is the branch of each point, ``arc_m`` its distance along it from the limb. ``base`` is −1 for
-    points of a branch that bends, otherwise the node with which the branch is rigid.
+    points of a branch that bends, otherwise the point of such a branch with which theirs is rigid.
     """
 
     nodes: Ints
@@ -114,7 +156,7 @@ def simplify_axis(motion: AxisMotion, tolerance_m: float, max_nodes: int) -> Sim
         simplified = _simplified(motion, tolerance_m)
         if len(simplified.nodes) <= max_nodes:
             return simplified
-        tolerance_m *= 1.25
+        tolerance_m *= 1.1
 
 
 def _simplified(motion: AxisMotion, tolerance_m: float) -> SimplifiedAxis:
@@ -122,33 +164,17 @@ def _simplified(motion: AxisMotion, tolerance_m: float) -> SimplifiedAxis:
     line_of, base = np.zeros(count, np.int64), np.full(count, -1, np.int64)
     arc, is_node = np.zeros(count), np.zeros(count, bool)
     for number, line in enumerate(motion.lines):
-        length = _arc_lengths(motion.points_m[line.points])
         line_of[line.own] = number
-        arc[line.own] = length[-len(line.own) :]
-        if line.limb >= 0:
-            bearing = int(base[line.limb]) if base[line.limb] >= 0 else line.limb
-            if motion.off_rigid_m(line.own, bearing) < RIGID_TOLERANCE_SHARE * tolerance_m:
-                base[line.own] = bearing
-                is_node[bearing] = True
-                continue
-        is_node[line.points[_douglas_peucker(motion, line.points, length, tolerance_m)]] = True
+        arc[line.own] = arc_lengths(motion.points_m[line.points])[-len(line.own) :]
+        if base[line.own[0]] >= 0:
+            continue
+        if motion.off_rigid_m[number] < RIGID_TOLERANCE_SHARE * tolerance_m:
+            base[motion.borne[number]] = line.limb
+        else:
+            is_node[line.points[motion.off_chords_m[number] > tolerance_m]] = True
     return SimplifiedAxis(np.flatnonzero(is_node), motion.lines, line_of, arc, base)
 
 
-def _arc_lengths(points_m: Floats) -> Floats:
+def arc_lengths(points_m: Floats) -> Floats:
+    """(n,) distance of each point of a line (n, 3) from its first, along it."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points_m, axis=0), axis=1))])
-
-
-def _douglas_peucker(motion: AxisMotion, points: Ints, arc: Floats, tolerance_m: float) -> Ints:
-    """Indices of the points of a branch that are kept."""
-    kept, open_ = {0, len(points) - 1}, [(0, len(points) - 1)]
-    while open_:
-        first, last = open_.pop()
-        if last - first < 2:
-            continue
-        off = motion.off_chord_m(points[first : last + 1], arc[first : last + 1])
-        worst = int(off.argmax())
-        if off[worst] > tolerance_m:
-            kept.add(first + worst)
-            open_ += [(first, first + worst), (first + worst, last)]
-    return np.array(sorted(kept), np.int64)

@@ -68,17 +68,14 @@ def make_skin(
     arm_m = TURN_ARM * float(np.ptp(axis.points_m[:, 1]))
     strong = AxisMotion(axis.points_m, axis.parent, moved @ motion.strong.T, turned @ motion.strong.T, arm_m)
     simplified = simplify_axis(strong, tolerance_m, max_nodes)
-    joints = _joints(bindings)
+    joints = _joints(bindings, simplified)
     child, share = joints.child, joints.share
-    first, second, weight = _node_weights(simplified, axis.parent, child, share)
-    rigid = simplified.base[child] >= 0
-    place = _lerp(axis.points_m, axis.parent, child, share)
-    place[rigid] = axis.points_m[simplified.base[child[rigid]]]
+    first, second, weight = _node_weights(simplified, child, share)
     off = _lerp(moved, axis.parent, child, share) - (
         (1 - weight)[:, None, None] * moved[first] + weight[:, None, None] * moved[second]
     )
     count = np.bincount(joints.vertex, minlength=len(child))
-    rms_error_m, max_error_m = _errors_m((off * motion.rms)[~rigid], count[~rigid])
+    rms_error_m, max_error_m = _errors_m(off * motion.rms, count)
     nodes = simplified.nodes
     return Skin(
         moved[nodes].astype(np.float32),
@@ -87,17 +84,22 @@ def make_skin(
         _parents(simplified).astype(np.uint16),
         np.column_stack([np.searchsorted(nodes, first), np.searchsorted(nodes, second)]).astype(np.uint16),
         weight.astype(np.float32),
-        place.astype(np.float32),
+        _lerp(axis.points_m, axis.parent, child, share).astype(np.float32),
         joints.vertex.astype(np.uint16),
         rms_error_m,
         max_error_m,
     )
 
 
-def _joints(bindings: Bindings) -> _Joints:
-    """The different bindings of all vertices, rounded to JOINTS_PER_LINK places on each link."""
+def _joints(bindings: Bindings, simplified: SimplifiedAxis) -> _Joints:
+    """The different bindings of all vertices, rounded to JOINTS_PER_LINK places on each link.
+
+    What is bound to a rigid branch is bound to the place that carries it.
+    """
     share = np.round(bindings.share * JOINTS_PER_LINK).astype(np.int64)
-    links, vertex = np.unique(np.column_stack([bindings.child, share]), axis=0, return_inverse=True)
+    base = simplified.base[bindings.child]
+    child, share = np.where(base < 0, bindings.child, base), np.where(base < 0, share, JOINTS_PER_LINK)
+    links, vertex = np.unique(np.column_stack([child, share]), axis=0, return_inverse=True)
     return _Joints(links[:, 0], links[:, 1] / JOINTS_PER_LINK, np.ravel(vertex))
 
 
@@ -117,27 +119,21 @@ def _parents(simplified: SimplifiedAxis) -> Ints:
     for line in simplified.lines:
         kept = line.points[is_node[line.points]]
         before[kept[1:]] = kept[:-1]
-    for node in nodes.tolist():
-        if simplified.base[node] >= 0:
-            before[node] = simplified.base[node]
     index = np.searchsorted(nodes, before[nodes])
     return np.where(before[nodes] >= 0, index, np.arange(len(nodes)))
 
 
-def _node_weights(
-    simplified: SimplifiedAxis, parent: Ints, child: Ints, share: Floats
-) -> tuple[Ints, Ints, Floats]:
-    """The nodes before and after places on links (j,), and the weight of the second."""
-    base = simplified.base[child]
-    first, second, weight = base.copy(), base.copy(), np.zeros(len(child))
-    is_node = np.zeros(len(parent), bool)
+def _node_weights(simplified: SimplifiedAxis, child: Ints, share: Floats) -> tuple[Ints, Ints, Floats]:
+    """The nodes before and after places on links (j,) of branches that bend, and the weight of the second."""
+    first, second, weight = child.copy(), child.copy(), np.zeros(len(child))
+    is_node = np.zeros(len(simplified.line), bool)
     is_node[simplified.nodes] = True
-    for number in np.unique(simplified.line[child[first < 0]]).tolist():
+    for number in np.unique(simplified.line[child]).tolist():
         points = simplified.lines[number].points
         arc = simplified.arc_m[points]
         arc[0] = 0.0
         kept = np.flatnonzero(is_node[points])
-        own = np.flatnonzero((simplified.line[child] == number) & (base < 0))
+        own = np.flatnonzero(simplified.line[child] == number)
         index = np.searchsorted(arc, simplified.arc_m[child[own]])
         before = np.maximum(index - 1, 0)
         at = arc[before] + share[own] * (arc[index] - arc[before])

@@ -9,13 +9,12 @@ moved at once (``galewood.solid.skinning.stretch_minimisation``).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from galewood.solid.skinning.axis import Axis
 from galewood.solid.skinning.bindings import AxisPaths, Bindings
-from galewood.solid.skinning.distortion import FIGURE_SWAY, farthest_poses
 from galewood.solid.skinning.embedding import piece_size
 from galewood.solid.skinning.skin import JOINTS_PER_LINK
 from galewood.solid.skinning.stretch_minimisation import (
@@ -24,65 +23,91 @@ from galewood.solid.skinning.stretch_minimisation import (
     EdgeMesh,
     StretchMinimisation,
     axis_poses,
+    hardest_poses,
     posed_positions,
 )
 from galewood.solid.skinning.surface_bindings import vertex_bindings
-from galewood.solid.skinning.wood_bindings import WeldedPrimitive, welded_primitive
+from galewood.solid.skinning.wood_bindings import WeldedPrimitive, components, welded_primitive
 from galewood.tree import RenderPrimitive, TreeMesh
 from galewood.util import Floats, Ints
 
 LARGEST_STRETCH = 1.03
 """Length of an edge, relative to rest, from which its vertices are bound nearer to each other."""
-MOST_ROUNDS = 200
-MINIMISATION_PASSES = 2
-"""Times that all bindings are moved at once, between relaxations one by one."""
 STEP_SHARES = (0.15, 0.4, 0.8)
 """Parts of the way to a neighbour's binding that are tried."""
 LEAST_GAIN = 1e-4
 TORN_STRETCH, SMALL_PIECE = 1.1, 0.06
 """A piece smaller than this, relative to the extent, is bound to one place if it is still stretched so."""
 RELAXATION_SEED = 20
-MAX_TRIES, FEW_EDGES = 3, 1500
+FEW_EDGES = 1500
 """A mesh of few edges is tried several times, in other orders: the best is taken."""
 SHORTEST_EDGE = 1e-6
 """Relative to the extent; shorter edges are not measured."""
 
 
-def smoothed_bindings(tree: TreeMesh, axis: Axis, basis: Floats, q: Floats) -> Bindings:
+@dataclass(frozen=True)
+class Effort:
+    """How long weights are smoothed: a table of the first second takes less.
+
+    Edges longer than ``stretch`` are relaxed in at most ``rounds``; all bindings are moved at once in so many
+    ``passes``, for the hardest of the ``poses`` in every mesh, and small meshes are tried ``tries`` times.
+    """
+
+    stretch: float
+    rounds: int
+    passes: int
+    poses: int
+    tries: int
+
+
+THOROUGH = Effort(stretch=LARGEST_STRETCH, rounds=200, passes=2, poses=14, tries=3)
+QUICK = Effort(stretch=1.06, rounds=60, passes=0, poses=10, tries=1)
+
+
+def smoothed_bindings(tree: TreeMesh, axis: Axis, basis: Floats, q: Floats, effort: Effort) -> Bindings:
     """The bindings of every render vertex of a tree, with smoothed weights of its wood and fronds.
 
     Args:
         tree: The drawn mesh.
         axis: Its axis.
         basis: Modes (N, 3, r) of the model's particles.
-        q: Training runs (T, r). Their farthest sways, scaled to a fifth of the height, are the poses in which
-            no edge shall stretch much.
+        q: Far poses (k, r) in which no edge shall stretch much.
+        effort: How long they are smoothed.
     """
-    top = axis.displacement(basis)[int(axis.points_m[:, 1].argmax())]
-    poses = axis_poses(axis, basis, farthest_poses(q, top, FIGURE_SWAY * tree.height_m))
+    poses = axis_poses(axis, basis, q)
 
     def smoothing(part: RenderPrimitive, bindings: Bindings, fixed: Ints) -> Bindings:
         if not len(part.faces):
             return bindings
         welded = welded_primitive(part)
         fixed = np.unique(welded.same[fixed])
-        return smoothed_weights(welded, bindings.take(welded.first), axis, poses, fixed).take(welded.same)
+        own = bindings.take(welded.first)
+        return smoothed_weights(welded, own, axis, poses, fixed, effort).take(welded.same)
 
     return vertex_bindings(tree, axis, smoothing)
 
 
 def smoothed_weights(
-    welded: WeldedPrimitive, bindings: Bindings, axis: Axis, poses: AxisPoses, fixed: Ints | None = None
+    welded: WeldedPrimitive,
+    bindings: Bindings,
+    axis: Axis,
+    poses: AxisPoses,
+    fixed: Ints | None = None,
+    effort: Effort = THOROUGH,
 ) -> Bindings:
     """The bindings of welded vertices (w,), nearer to each other where edges are stretched in some poses.
 
     Some vertices ``fixed`` (k,) keep their bindings, such as those of a frond that touch the trunk.
     """
-    tries = MAX_TRIES if len(welded.ends) < FEW_EDGES else 1
+    tries = effort.tries if len(welded.ends) < FEW_EDGES else 1
     is_fixed = np.zeros(len(welded.place_m), bool)
     is_fixed[fixed if fixed is not None else []] = True
+    mesh = EdgeMesh(welded.place_m, welded.ends, np.sqrt(welded.squared_m2))
+    poses = hardest_poses(mesh, bindings, axis.paths, poses, effort.poses)
     found = [
-        _smoothed(_Relaxation(welded, axis.paths, poses, bindings, is_fixed), RELAXATION_SEED + number)
+        _smoothed(
+            _Relaxation(welded, axis.paths, poses, bindings, is_fixed), effort, RELAXATION_SEED + number
+        )
         for number in range(tries)
     ]
     best = min(found, key=lambda mesh: float(mesh.ratio.max(initial=0.0)))
@@ -91,12 +116,12 @@ def smoothed_weights(
     return best.bindings(bindings.distance_m)
 
 
-def _smoothed(mesh: _Relaxation, seed: int) -> _Relaxation:
+def _smoothed(mesh: _Relaxation, effort: Effort, seed: int) -> _Relaxation:
     rng = np.random.default_rng(seed)
-    for _ in range(MINIMISATION_PASSES):
-        mesh.relax_all(rng)
+    for _ in range(effort.passes):
+        mesh.relax_all(effort, rng)
         mesh.minimise()
-    mesh.relax_all(rng)
+    mesh.relax_all(effort, rng)
     return mesh
 
 
@@ -161,10 +186,10 @@ class _Relaxation:
         if _severity(ratio) < _severity(self.ratio):
             self._child, self._arc, self._now, self.ratio = child, arc, now, ratio
 
-    def relax_all(self, rng: np.random.Generator) -> None:
+    def relax_all(self, effort: Effort, rng: np.random.Generator) -> None:
         """Move bindings one after the other until no edge is stretched."""
-        for _ in range(MOST_ROUNDS):
-            stretched = np.flatnonzero(self.ratio > LARGEST_STRETCH)
+        for _ in range(effort.rounds):
+            stretched = np.flatnonzero(self.ratio > effort.stretch)
             if not len(stretched):
                 break
             self.relax(stretched, rng)
@@ -222,9 +247,8 @@ class _Relaxation:
     def bind_small_pieces_rigidly(self) -> None:
         """Bind small pieces to one place that lie across the gap between two branches, such as a cylinder."""
         count = len(self._place)
-        graph = coo_matrix((np.ones(len(self._ends)), self._ends.T), shape=(count, count))
-        pieces, piece = connected_components(graph, directed=False)
-        worst = np.zeros(pieces)
+        piece = components(self._ends, count)
+        worst = np.zeros(int(piece.max()) + 1)
         np.maximum.at(worst, piece[self._ends[:, 0]], self.ratio)
         small = piece_size(self._place, piece) < SMALL_PIECE * float(np.ptp(self._place, axis=0).max())
         for number in np.flatnonzero(small & (worst > TORN_STRETCH)).tolist():

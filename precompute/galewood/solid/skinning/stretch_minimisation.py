@@ -14,7 +14,7 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 
 from galewood.solid.skinning.axis import Axis
-from galewood.solid.skinning.bindings import AxisPaths
+from galewood.solid.skinning.bindings import AxisPaths, Bindings
 from galewood.solid.skinning.node_poses import limit_stretch, turned
 from galewood.util import Floats, Ints
 
@@ -75,6 +75,23 @@ class EdgeMesh:
         for _ in range(rings):
             found |= near @ found
         return np.flatnonzero(found)
+
+
+def hardest_poses(
+    mesh: EdgeMesh, bindings: Bindings, paths: AxisPaths, poses: AxisPoses, count: int
+) -> AxisPoses:
+    """Those poses that together stretch the edges most: each adds the most to those before it."""
+    if poses.moved_m.shape[2] <= count:
+        return poses
+    place = posed_positions(mesh.place_m, *paths.places(bindings), paths, poses)
+    length = np.linalg.norm(place[mesh.ends[:, 0]] - place[mesh.ends[:, 1]], axis=2)
+    excess = np.maximum(length / mesh.length_m[:, None] - 1.0, 0.0) ** COST_POWER  # (e, k)
+    covered, chosen = np.zeros(len(excess)), list[int]()
+    for _ in range(count):
+        chosen.append(int(np.maximum(excess, covered[:, None]).sum(axis=0).argmax()))
+        covered = np.maximum(covered, excess[:, chosen[-1]])
+    own = np.unique(chosen)
+    return AxisPoses(poses.moved_m[:, :, own], poses.turned[:, :, own])
 
 
 class StretchMinimisation:

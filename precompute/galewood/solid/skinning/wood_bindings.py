@@ -12,10 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 from galewood.solid.skinning.axis import Axis
 from galewood.solid.skinning.bindings import Bindings
+from galewood.solid.skinning.embedding import piece_size
 from galewood.tree import RenderPrimitive, unique_edges
 from galewood.util import Floats, Ints
 
@@ -26,9 +28,18 @@ SLOPE_ALONG, SLOPE_AROUND = 1.3, 0.1
 """Largest distance of two bindings along the axis, relative to the length of the edge between their vertices
 along the axis, and to its whole length. The sum is above 1, so that beyond a fork bindings are again beside
 their vertices."""
-FORK_REACH = 4.0
-"""Distance of two bindings, relative to the radius of the limb, up to which it is limited."""
+FORK_REACH, FORK_SHARE = 4.0, 0.05
+"""Distance of two bindings, over the radius of the limb or over the extent, up to which it is limited."""
+SMALL_PIECE = 0.15
+"""Of a closed surface smaller than this, relative to the extent, also larger distances are limited, up to its
+size."""
 SLOPE_SWEEPS = 200
+TORN_SLOPE = 1.5
+"""Distance of two bindings, relative to the largest allowed, from which an edge between them is torn."""
+AWAY_RADII = 2.0
+"""A vertex that is bound again is held by a branch whose bark is farther by at most so many of its radii."""
+LARGEST_DISTANCE = 0.1
+"""Distance from the bark of its branch, over its size, from which a small piece is bound to one place."""
 
 
 def wood_bindings(wood: RenderPrimitive, axis: Axis) -> Bindings:
@@ -40,8 +51,10 @@ def wood_bindings(wood: RenderPrimitive, axis: Axis) -> Bindings:
     if not len(wood.faces):
         return axis.nearest(wood.positions_m)
     welded = welded_primitive(wood)
-    nearest = axis.nearest(_ring_middles(welded))
-    return limited_slope(nearest, welded.place_m, welded.ends, axis).take(welded.same)
+    middle = _ring_middles(welded)
+    nearest = without_islands(axis.nearest(middle), middle, welded, axis)
+    limited = limited_slope(nearest, welded.place_m, welded.ends, axis)
+    return with_rigid_pieces(limited, welded.place_m, welded.ends, axis).take(welded.same)
 
 
 @dataclass(frozen=True)
@@ -84,12 +97,60 @@ def _ring_middles(wood: WeldedPrimitive) -> Floats:
     return middle
 
 
+def without_islands(bindings: Bindings, middle_m: Floats, wood: WeldedPrimitive, axis: Axis) -> Bindings:
+    """The bindings in which no part of a surface is held by a branch that the rest of it does not reach.
+
+    Where twigs cross, some vertices are nearest to the axis of the other twig. The smaller parts, around
+    which all edges lead to bindings far away along the axis, are bound again from the shore inwards: each
+    vertex to the place found from the binding of its neighbour onwards, unless that is away from the bark.
+    ``middle_m`` (w, 3) are the middles of the rings.
+    """
+    count, ends = len(middle_m), wood.ends
+    surface, size_m = _small_pieces(wood.place_m, ends)
+    patch = components(ends[~_is_torn(bindings, wood.place_m, ends, axis)], count)
+    order = np.lexsort((patch, np.bincount(patch)[patch]))
+    main = np.zeros(len(size_m), np.int64)
+    main[surface[order]] = patch[order]  # the largest patch of each surface is written last
+    unbound = patch != main[surface]
+    bound = ~unbound
+    by_length = ends[np.argsort(wood.squared_m2, kind="stable")]
+    while True:
+        shore = by_length[(unbound[by_length] & bound[by_length[:, ::-1]]).any(axis=1)]
+        if not len(shore):
+            return bindings
+        vertex, first = np.unique(np.where(unbound[shore[:, 0]], *shore.T), return_index=True)
+        before = bindings.take(vertex)
+        found = axis.nearest_along(middle_m[vertex], bindings.child[shore[first].sum(axis=1) - vertex])
+        room_m = np.maximum(AWAY_RADII * axis.radius_m[found.child], size_m[surface[vertex]])
+        better = (found.distance_m <= before.distance_m + room_m) & (found.child != before.child)
+        index = np.arange(count)
+        index[vertex[better]] = count + np.flatnonzero(better)
+        bindings = Bindings.concatenated([bindings, found]).take(index)
+        unbound[vertex] = False
+        bound[vertex[better]] = True
+
+
+def _is_torn(bindings: Bindings, place_m: Floats, ends: Ints, axis: Axis) -> np.ndarray:
+    """(e,) whether the bindings of edges are much farther apart along the axis than allowed."""
+    child, arc = axis.paths.places(bindings)
+    first, second = arc[ends[:, 0]], arc[ends[:, 1]]
+    fork, together = axis.paths.fork_m(child[ends[:, 0]], first, child[ends[:, 1]], second)
+    most = TORN_SLOPE * _largest_distance_m(child, place_m, ends, axis)
+    return together & (first + second - 2 * fork > most)
+
+
+def components(edges: Ints, count: int) -> Ints:
+    """(count,) number of the connected component of each vertex."""
+    graph = coo_matrix((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
 def limited_slope(bindings: Bindings, place_m: Floats, ends: Ints, axis: Axis) -> Bindings:
     """The bindings of vertices (v,) at place_m (v, 3), near to those of the other ends of edges (e, 2)."""
     paths = axis.paths
     child, arc = paths.places(bindings)
     most = _largest_distance_m(child, place_m, ends, axis)
-    kept = _of_one_fork(child, arc, ends, most, axis)
+    kept = _of_one_fork(child, arc, place_m, ends, axis)
     ends, most = ends[kept], most[kept]
     for _ in range(SLOPE_SWEEPS):
         first, second = arc[ends[:, 0]], arc[ends[:, 1]]
@@ -113,12 +174,41 @@ def _largest_distance_m(child: Ints, place_m: Floats, ends: Ints, axis: Axis) ->
     return SLOPE_ALONG * lengthwise + SLOPE_AROUND * length
 
 
-def _of_one_fork(child: Ints, arc: Floats, ends: Ints, most: Floats, axis: Axis) -> np.ndarray:
-    """(e,) whether the bindings of edges meet in a fork nearby; limbs grown together meet far below."""
+def _of_one_fork(child: Ints, arc: Floats, place_m: Floats, ends: Ints, axis: Axis) -> np.ndarray:
+    """(e,) whether the bindings of edges meet in a fork nearby; limbs grown together meet far below.
+
+    Near is what is within the thickness of the limb, or within the size of a small piece of the surface.
+    """
     first, second = arc[ends[:, 0]], arc[ends[:, 1]]
     fork, together = axis.paths.fork_m(child[ends[:, 0]], first, child[ends[:, 1]], second)
     radius_m = axis.radius_m[axis.paths.common_ancestors(child[ends[:, 0]], child[ends[:, 1]])]
-    return together & (first + second - 2 * fork < FORK_REACH * radius_m + most)
+    piece, size_m = _small_pieces(place_m, ends)
+    extent_m = float(np.ptp(place_m, axis=0).max())
+    reach_m = np.maximum(np.maximum(FORK_REACH * radius_m, FORK_SHARE * extent_m), size_m[piece[ends[:, 0]]])
+    return together & (first + second - 2 * fork < reach_m + _largest_distance_m(child, place_m, ends, axis))
+
+
+def _small_pieces(place_m: Floats, ends: Ints) -> tuple[Ints, Floats]:
+    """The connected piece (v,) of each vertex, and the size (k,) of each piece, m, 0 of large ones."""
+    piece = components(ends, len(place_m))
+    size_m = piece_size(place_m, piece)
+    return piece, np.where(size_m < SMALL_PIECE * float(np.ptp(place_m, axis=0).max()), size_m, 0.0)
+
+
+def with_rigid_pieces(bindings: Bindings, place_m: Floats, ends: Ints, axis: Axis) -> Bindings:
+    """The bindings in which small pieces without a branch of their own are bound to one place.
+
+    These are pieces that lie across the gap between branches, or away from the branch that holds them, such
+    as a twig too small for the skeleton. They are bound where they are nearest to the bark of a thick branch.
+    """
+    piece, size_m = _small_pieces(place_m, ends)
+    away = np.bincount(piece, bindings.distance_m > LARGEST_DISTANCE * size_m[piece]) > 0
+    across = _is_torn(bindings, place_m, ends, axis)
+    rigid = (away | (np.bincount(piece[ends[:, 0]], across, len(size_m)) > 0)) & (size_m > 0)
+    order = np.lexsort((-axis.radius_m[bindings.child], bindings.distance_m, piece))
+    start = order[np.unique(piece[order], return_index=True)[1]]  # of each piece
+    own = np.flatnonzero(rigid[piece])
+    return bindings.replaced(own, bindings.take(start[piece[own]]))
 
 
 def _move(arc: Floats, ends: Ints, excess: Floats, fork: Floats, radius: Floats) -> None:

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from galewood.solid.skinning import Axis, Bindings, MotionSamples, Skin, joint_rows, make_skin
 from galewood.util import Floats
+from scipy.sparse import csr_matrix
 
 from tests.precompute.solid.skinning.poles import pole_with_branch
 
 
 def bending(axis: Axis) -> Floats:
-    """A basis that bends the pole in two directions; the branch is carried by its base without turning."""
-    height = axis.points_m[:, 1].copy()
-    height[axis.points_m[:, 0] > 0] = 5.0
+    """A basis that bends the pole in two directions; branches are carried by their bases without turning."""
+    height = np.where(axis.points_m[:, 0] > 0, axis.points_m[axis.parent, 1], axis.points_m[:, 1])
     basis = np.zeros((len(height), 3, 2))
     basis[:, 0, 0] = basis[:, 2, 1] = (height / 10) ** 2
     return basis
@@ -54,14 +54,15 @@ def test_the_number_of_nodes_falls_with_the_tolerance_and_is_limited() -> None:
     assert len(skin_of(axis, bindings, 1e-9, most=20).node_rest_m) <= 20
 
 
-def test_a_branch_that_is_carried_rigidly_has_no_node_but_its_base() -> None:
+def test_a_branch_that_is_carried_rigidly_needs_no_node() -> None:
     axis, bindings = pole_with_branch(), random_bindings(pole_with_branch(), 3)
     skin = skin_of(axis, bindings, 0.01)
     assert not (skin.node_rest_m[:, 0] > 0).any()
-    beside = bindings.at_m[:, 0] > 0
-    held = skin.joint_nodes[skin.vertex_joint[beside]]
-    assert (held == held[0, 0]).all()
-    np.testing.assert_allclose(skin.node_rest_m[held[0, 0]], (0, 5, 0), atol=1e-6)
+    joint = skin.vertex_joint[bindings.at_m[:, 0] > 0]
+    assert (joint == joint[0]).all()
+    np.testing.assert_allclose(skin.joint_rest_m[joint[0]], (0, 5, 0), atol=1e-6)
+    bare = skin_of(axis, bindings.take(np.flatnonzero(bindings.at_m[:, 0] == 0)), 0.01)
+    np.testing.assert_array_equal(skin.node_rest_m, bare.node_rest_m)
 
 
 def test_nodes_follow_those_before_them() -> None:
@@ -71,3 +72,15 @@ def test_nodes_follow_those_before_them() -> None:
     assert (parent <= own).all() and (parent == own).sum() == 1
     rise = skin.node_rest_m[1:, 1] - skin.node_rest_m[parent[1:], 1]
     assert (rise > 0).all()
+
+
+def test_hundreds_of_twigs_do_not_use_up_the_nodes() -> None:
+    stem = pole_with_branch(points=1001, beside=1)
+    tips = stem.points_m[100:1000] + np.array([0.3, 0, 0])
+    points = np.concatenate([stem.points_m, tips])
+    parent = np.concatenate([stem.parent, np.arange(100, 1000)])
+    moved = csr_matrix(np.eye(len(points)))
+    axis = Axis(points, parent, np.full(len(points), 0.01), moved, csr_matrix((3 * len(points),) * 2))
+    skin = skin_of(axis, random_bindings(axis, 5), 0.01, most=100)
+    assert len(skin.node_rest_m) < 20, "as many as without the twigs"
+    assert skin.max_error_m < 0.01

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from galewood.solid.skinning import Axis, Bindings
-from galewood.solid.skinning import smoothed_weights as smoothing
-from galewood.solid.skinning.smoothed_weights import smoothed_weights
+from galewood.solid.skinning.smoothed_weights import THOROUGH, smoothed_weights
 from galewood.solid.skinning.stretch_minimisation import AxisPoses, posed_positions
 from galewood.solid.skinning.wood_bindings import welded_primitive, wood_bindings
 from galewood.tree.types import RenderPrimitive
@@ -42,21 +43,21 @@ def test_a_calm_limb_keeps_its_bindings() -> None:
     np.testing.assert_allclose(smoothed.at_m, initial.at_m, atol=1e-9)
 
 
-def test_a_thick_foot_shares_its_bend_better_than_vertices_one_by_one(monkeypatch) -> None:
-    monkeypatch.setattr(smoothing, "MAX_TRIES", 1)
+def test_a_thick_foot_shares_its_bend_better_than_vertices_one_by_one() -> None:
+    effort = replace(THOROUGH, tries=1)
     axis, wood, poses = flared()
     welded = welded_primitive(wood)
     initial = wood_bindings(wood, axis).take(welded.first)
-    together = longest_stretch(wood, smoothed_weights(welded, initial, axis, poses), axis, poses)
-    monkeypatch.setattr(smoothing, "MINIMISATION_PASSES", 0)
-    alone = longest_stretch(wood, smoothed_weights(welded, initial, axis, poses), axis, poses)
+    together, alone = (
+        longest_stretch(wood, smoothed_weights(welded, initial, axis, poses, None, own), axis, poses)
+        for own in (effort, replace(effort, passes=0))
+    )
     assert longest_stretch(wood, initial, axis, poses) > 1.1
     assert together < 1 + 0.9 * (alone - 1)
     assert together < 1.1
 
 
-def test_fixed_vertices_keep_their_bindings(monkeypatch) -> None:
-    monkeypatch.setattr(smoothing, "MAX_TRIES", 1)
+def test_fixed_vertices_keep_their_bindings() -> None:
     axis, wood, poses = flared()
     welded = welded_primitive(wood)
     paths = axis.paths

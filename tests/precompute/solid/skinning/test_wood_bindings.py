@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 from galewood.solid.skinning import Axis, Bindings
-from galewood.solid.skinning.wood_bindings import limited_slope, wood_bindings
+from galewood.solid.skinning.wood_bindings import (
+    limited_slope,
+    welded_primitive,
+    without_islands,
+    wood_bindings,
+)
+from galewood.tree.repair import Surface
+from galewood.tree.types import RenderPrimitive
 from galewood.util import Floats, Ints
 
+from tests.precompute.fixtures import tree_meshes as make
 from tests.precompute.solid.skinning.poles import axis_of, pole, pole_wood
 
 
@@ -37,3 +45,39 @@ def test_neighbours_on_two_limbs_are_bound_near_their_fork() -> None:
     assert before > 0.1
     assert float((arc - 1.0).sum()) < 1.4 * 0.05 + 1e-6, "the path is hardly longer than the edge"
     assert (arc >= 1.0 - 1e-9).all(), "no binding is moved farther than to the fork"
+
+
+def crossing() -> tuple[Axis, RenderPrimitive]:
+    """A stem of 4 m with two limbs that cross 1.4 m from it, almost touching, each a tube of its own."""
+    up, out = np.linspace(0, 4, 41), np.linspace(0.05, 2, 40)[:, None]
+    stem = np.stack([0 * up, up, 0 * up], axis=1)
+    limbs = [np.array([0, 1.0, 0]) + out * [1, 1, 0], np.array([0, 3.8, 0.03]) + out * [1, -1, 0]]
+    parent = np.array([*range(-1, 40), 10, *range(41, 80), 38, *range(81, 120)])
+    axis = axis_of(np.concatenate([stem, *limbs]), parent, 0.02)
+    tubes = [make.tube(limb[0], limb[-1], 0.02, 0.02, sides=8, rings=61) for limb in limbs]
+    wood = make.joined(*tubes)
+    return axis, RenderPrimitive("wood_0", "wood", wood.vertices, wood.faces)
+
+
+def test_where_limbs_cross_every_vertex_is_held_by_its_own() -> None:
+    axis, wood = crossing()
+    welded = welded_primitive(wood)
+    right = axis.nearest(welded.place_m)
+    swapped = np.linalg.norm(welded.place_m - [1.4, 2.4, 0], axis=1) < 0.15
+    other = np.where(right.child <= 80, right.child + 40, right.child - 40)
+    wrong = right.replaced(np.arange(len(other)), Bindings(other, right.share, right.at_m, right.distance_m))
+    confused = Bindings.concatenated([right, wrong]).take(np.arange(len(other)) + len(other) * swapped)
+    assert swapped.sum() > 20 and swapped.mean() < 0.2
+    found = without_islands(confused, welded.place_m, welded, axis)
+    np.testing.assert_array_equal(found.child[swapped] > 80, right.child[swapped] > 80)
+    np.testing.assert_allclose(found.at_m[~swapped], right.at_m[~swapped])
+
+
+def test_a_small_piece_without_a_branch_is_rigid() -> None:
+    axis, stem = pole(), pole_wood()
+    twig = make.tube((0.15, 2, 0), (0.5, 2.3, 0), 0.01, 0.01, sides=6, rings=5)
+    body = make.joined(Surface(stem.positions_m, stem.faces), twig)
+    found = wood_bindings(RenderPrimitive("wood_0", "wood", body.vertices, body.faces), axis)
+    own = found.at_m[len(stem.positions_m) :]
+    np.testing.assert_allclose(own, np.broadcast_to(own[:1], own.shape))
+    assert abs(own[0, 1] - 2.0) < 0.1, "where it grows"

@@ -85,13 +85,13 @@ export function factsOf(
       "Wood stretch",
       of("drawn", "wood_stretch_worst"),
       (ratio) => `${Math.max(0, 100 * (ratio - 1)).toFixed(0)} %`,
-      "How much longer any edge of the wood is drawn when the top sways by a fifth of the height.",
+      "How much longer any edge of the wood is drawn when the top sways by a fifth of the height, in a storm, or when it is pulled.",
     ),
     fact(
       "Leaf detachment",
       of("drawn", "leaves_gap"),
       (share) => `${(100 * share).toFixed(2)} % of height`,
-      "Largest change of the distance between a leaf and its twig at the same sway.",
+      "Largest change of the distance between a leaf and its twig in the same poses.",
     ),
   ];
   return facts.filter((found) => found !== null);
