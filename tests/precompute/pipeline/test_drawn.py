@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from galewood.pipeline.stages.artefacts import ArtefactPublisher
 from galewood.pipeline.tables import BuildOptions, beam_table, encoded_unless_torn
-from galewood.pipeline.tables.drawn import CHECKED, FITTED, PoseChoice, drawn_poses
+from galewood.pipeline.tables.drawn import CHECKED_POSES, FITTED_POSES, PoseChoice, drawn_poses
 from galewood.solid.skinning import Distortion, is_torn
 from galewood.table import decode
 from galewood.util import WorkerPool
@@ -55,7 +55,9 @@ def test_a_torn_table_is_not_published(caplog) -> None:
 def test_poses_sway_by_a_fifth_and_differ_between_fit_and_check() -> None:
     table = decode((GOLDEN_FOLDER / "pole-table.safetensors").read_bytes())
     rest = np.array([[0.0, height, 0.0] for height in np.linspace(0, 5, len(table.vertex_joint))])
-    fitted, checked = (drawn_poses(table, rest, np.arange(len(rest)), one) for one in (FITTED, CHECKED))
+    fitted, checked = (
+        drawn_poses(table, rest, np.arange(len(rest)), one) for one in (FITTED_POSES, CHECKED_POSES)
+    )
     top = table.node_basis[int(table.node_rest_m[:, 1].argmax())].astype(float)
     height_m = float(table.metadata["height_m"])
     np.testing.assert_allclose(np.linalg.norm(fitted[:4] @ top.T, axis=1), 0.2 * height_m, rtol=1e-6)

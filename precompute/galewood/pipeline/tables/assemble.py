@@ -28,13 +28,13 @@ from galewood.pipeline.reduction import (
     quantum,
 )
 from galewood.pipeline.sampling import SampledRun, SampleWind
-from galewood.pipeline.tables.drawn import CHECKED, FITTED, drawn_poses
+from galewood.pipeline.tables.drawn import CHECKED_POSES, FITTED_POSES, drawn_poses
 from galewood.pipeline.tables.options import TableSettings
 from galewood.pipeline.tables.surface import RenderMesh
 from galewood.solid.fem import FemSettings
 from galewood.solid.skinning import (
-    QUICK,
-    THOROUGH,
+    QUICK_SMOOTHING,
+    THOROUGH_SMOOTHING,
     Effort,
     MotionSamples,
     Skin,
@@ -81,7 +81,7 @@ def assemble_linear(
     """
     linear = linear_motion(body, of.mass_kg, winds, fem)
     motion = ModalMotion(linear.modal, linear.subspace, linear.q, [wind.pressure_pa for wind in winds])
-    return _drawn_table(motion, {}, of, QUICK)
+    return _drawn_table(motion, {}, of, QUICK_SMOOTHING)
 
 
 def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
@@ -96,7 +96,7 @@ def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
     q = [subspace.project(run.displacement_m) for run in training.runs]
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
     motion = ModalMotion(model.modal, subspace, q, winds_pa)
-    return DefaultPart(_drawn_table(motion, errors, of, THOROUGH), subspace)
+    return DefaultPart(_drawn_table(motion, errors, of, THOROUGH_SMOOTHING), subspace)
 
 
 def assemble_records(
@@ -163,14 +163,14 @@ def _drawn_table(motion: ModalMotion, errors: Metadata, of: TableContext, effort
     table, distortion = _table(motion, errors, of), of.mesh.distortion
     if distortion is None:
         return table
-    fitted = drawn_poses(table, distortion.rest_m, distortion.wood, FITTED)
+    fitted = drawn_poses(table, distortion.rest_m, distortion.wood, FITTED_POSES)
     fitted = np.concatenate([fitted, distortion.far_poses(table, motion.q)])
     mesh = of.mesh.smoothed(distortion.tree, motion.subspace.basis, fitted, effort)
     table = _table(motion, errors, replace(of, mesh=mesh))
-    if effort is THOROUGH:
+    if effort is THOROUGH_SMOOTHING:
         table = with_attached_pieces(table, distortion, motion.q)
-    checked = drawn_poses(table, distortion.rest_m, distortion.wood, CHECKED)
-    table.metadata["drawn"] = distortion.in_poses(table, checked, gaps=effort is THOROUGH)
+    checked = drawn_poses(table, distortion.rest_m, distortion.wood, CHECKED_POSES)
+    table.metadata["drawn"] = distortion.in_poses(table, checked, gaps=effort is THOROUGH_SMOOTHING)
     return table
 
 

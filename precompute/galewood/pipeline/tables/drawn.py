@@ -20,7 +20,7 @@ from galewood.table import Table, encode
 from galewood.util import Floats, Ints
 
 log = logging.getLogger("galewood.build")
-HEADINGS = 4
+HEADING_COUNT = 4
 STORM_M_S = 18.0
 STRONG_M_S = 30.0
 """Mean speed of the wind whose farthest sways are scaled to the sway of the figures."""
@@ -38,7 +38,7 @@ class PoseChoice:
     seed: int
 
 
-FITTED, CHECKED = PoseChoice(0.0, 11), PoseChoice(25.0, 12)
+FITTED_POSES, CHECKED_POSES = PoseChoice(0.0, 11), PoseChoice(25.0, 12)
 
 
 def drawn_poses(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) -> Floats:
@@ -60,12 +60,12 @@ def drawn_poses(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) ->
 
 def _played(table: Table, speed_m_s: float, choice: PoseChoice) -> Floats:
     """(headings, T, r) the motion in a wind from each heading."""
-    yaw = np.radians(choice.heading_deg + np.arange(HEADINGS) * 360 / HEADINGS)
-    place_m = 10.0 * float(table.metadata["height_m"]) * np.arange(HEADINGS)
-    rows = np.column_stack([place_m, 0 * yaw, yaw, np.ones(HEADINGS)])
+    yaw = np.radians(choice.heading_deg + np.arange(HEADING_COUNT) * 360 / HEADING_COUNT)
+    place_m = 10.0 * float(table.metadata["height_m"]) * np.arange(HEADING_COUNT)
+    rows = np.column_stack([place_m, 0 * yaw, yaw, np.ones(HEADING_COUNT)])
     trees = WindDrivenTrees(table, rows)
     field = WindField(Wind(mean_speed_m_s=speed_m_s, seed=choice.seed))
-    motion = np.zeros((HEADINGS, PLAYED_FRAMES, len(table.mode_scale)))
+    motion = np.zeros((HEADING_COUNT, PLAYED_FRAMES, len(table.mode_scale)))
     for frame in range(PLAYED_FRAMES):
         trees.step(field, (frame + 1) * FRAME_S, FRAME_S)
         motion[:, frame] = trees.q

@@ -24,8 +24,8 @@ from .node_poses import vertex_rows as vertex_rows
 from .skin import MotionSamples as MotionSamples
 from .skin import Skin as Skin
 from .skin import make_skin as make_skin
-from .smoothed_weights import QUICK as QUICK
-from .smoothed_weights import THOROUGH as THOROUGH
+from .smoothed_weights import QUICK_SMOOTHING as QUICK_SMOOTHING
+from .smoothed_weights import THOROUGH_SMOOTHING as THOROUGH_SMOOTHING
 from .smoothed_weights import Effort as Effort
 from .smoothed_weights import smoothed_bindings as smoothed_bindings
 from .surface_bindings import vertex_bindings as vertex_bindings

@@ -60,8 +60,8 @@ class Effort:
     tries: int
 
 
-THOROUGH = Effort(stretch=LARGEST_STRETCH, rounds=200, passes=2, poses=14, tries=3)
-QUICK = Effort(stretch=1.06, rounds=60, passes=0, poses=10, tries=1)
+THOROUGH_SMOOTHING = Effort(stretch=LARGEST_STRETCH, rounds=200, passes=2, poses=14, tries=3)
+QUICK_SMOOTHING = Effort(stretch=1.06, rounds=60, passes=0, poses=10, tries=1)
 
 
 def smoothed_bindings(tree: TreeMesh, axis: Axis, basis: Floats, q: Floats, effort: Effort) -> Bindings:
@@ -93,7 +93,7 @@ def smoothed_weights(
     axis: Axis,
     poses: AxisPoses,
     fixed: Ints | None = None,
-    effort: Effort = THOROUGH,
+    effort: Effort = THOROUGH_SMOOTHING,
 ) -> Bindings:
     """The bindings of welded vertices (w,), nearer to each other where edges are stretched in some poses.
 

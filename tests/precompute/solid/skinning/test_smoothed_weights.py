@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from galewood.solid.skinning import Axis, Bindings
-from galewood.solid.skinning.smoothed_weights import THOROUGH, smoothed_weights
+from galewood.solid.skinning.smoothed_weights import THOROUGH_SMOOTHING, smoothed_weights
 from galewood.solid.skinning.stretch_minimisation import AxisPoses, posed_positions
 from galewood.solid.skinning.wood_bindings import welded_primitive, wood_bindings
 from galewood.tree.types import RenderPrimitive
@@ -44,7 +44,7 @@ def test_a_calm_limb_keeps_its_bindings() -> None:
 
 
 def test_a_thick_foot_shares_its_bend_better_than_vertices_one_by_one() -> None:
-    effort = replace(THOROUGH, tries=1)
+    effort = replace(THOROUGH_SMOOTHING, tries=1)
     axis, wood, poses = flared()
     welded = welded_primitive(wood)
     initial = wood_bindings(wood, axis).take(welded.first)
