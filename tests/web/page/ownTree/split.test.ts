@@ -4,6 +4,7 @@ import { leftOutFaces, unsureVertices } from "../../../../web/src/page/ownTree/s
 
 const row = { names: [], reason: "green", faces: 4, pieces: 1, tree: 1 };
 const { pieces } = assumedOf({
+  up_axis: {},
   pieces: [
     { ...row, id: "0.0", kind: "wood", sure: true },
     { ...row, id: "1.0", kind: "leaves", sure: false },
