@@ -73,7 +73,7 @@ def test_a_wind_made_in_a_program_is_checked_as_a_document_is(values: dict[str, 
 
 
 def test_numbers_of_numpy_are_accepted() -> None:
-    wind = Wind(mean_speed_m_s=np.float32(9.5), seed=cast(Any, np.int64(7)))
+    wind = Wind(mean_speed_m_s=cast(Any, np.float32(9.5)), seed=cast(Any, np.int64(7)))
     assert (wind.mean_speed_m_s, type(wind.mean_speed_m_s), type(wind.seed)) == (9.5, float, int)
     assert parse_wind(json.loads(json.dumps(wind.document()))) == wind
 
