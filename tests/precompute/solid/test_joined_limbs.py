@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from galewood.options import ImportRequest
+from galewood.pipeline.tables import expected_motion, motion_lines
+from galewood.solid.model import beam_model
 from galewood.solid.skeleton import is_chained, joined_outline
-from galewood.tree import Surface
+from galewood.tree import Surface, read_tree
+from galewood.wood import wood_of_species
 
-from tests.precompute.fixtures.tree_meshes import joined, tube, y_tree
+from tests.precompute.fixtures.tree_meshes import joined, obj_bytes, tube, y_tree
 
 Line = tuple[np.ndarray, np.ndarray]
 
@@ -35,3 +39,23 @@ def test_joined_cylinders_have_the_radius_of_each() -> None:
 def test_limbs_that_are_tubes_are_no_chains() -> None:
     surface = y_tree()
     assert not is_chained(surface.vertices, surface.faces)
+
+
+def test_nothing_is_promised_of_a_tree_of_overlapping_cylinders() -> None:
+    """Its first frequency depends on how they hold on to each other, which beams do not know."""
+    seed = 20
+    print(f"seed {seed}")
+    random = np.random.default_rng(seed)
+    trunk = np.column_stack([np.zeros(15), np.linspace(0, 7.0, 15), np.zeros(15)])
+    lines = [(trunk, np.linspace(0.14, 0.05, 15))]
+    for k in range(5, 14):
+        out = np.array([random.normal(), 0.6, random.normal()])
+        lines.append(
+            (trunk[k] + np.linspace(0, 1.6, 5)[:, None] * out / np.linalg.norm(out), np.full(5, 0.03))
+        )
+    surface = cylinders(lines, random)
+    tree = read_tree(obj_bytes(surface), "chains.obj", ImportRequest(species="maple", accept=True))
+    assert is_chained(surface.vertices, surface.faces)
+    assert beam_model(tree, wood_of_species("maple")).chained
+    assert expected_motion(tree) is None
+    assert motion_lines(None)[0].startswith("Unsure how far it sways")

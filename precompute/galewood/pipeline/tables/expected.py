@@ -33,7 +33,10 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None, leaves: bool = Tru
 
 
 def motion_of(tree: TreeMesh, model: BeamModel) -> dict[str, Any] | None:
-    """First frequency and sway of a tree of beams; JSON-able. None, unsure, if the tree would not stand.
+    """First frequency and sway of a tree of beams; JSON-able. None: unsure.
+
+    Unsure if the tree would not stand, or if its limbs are chains of overlapping surfaces: how these hold on
+    to each other decides how stiff they are, and the finite elements then had 0.5 to 1.2 of the frequency.
 
     The sway is the largest displacement under a steady wind, for a linear response; gusts add to it.
     ``typical_frequency_hz`` is that of measured trees of this height. ``lively_frequency_hz`` is at most as
@@ -42,7 +45,7 @@ def motion_of(tree: TreeMesh, model: BeamModel) -> dict[str, Any] | None:
     (``TableRequest.stiffness``): the lively one if the tree is stylised and its motion would be barely
     visible, else that of the wood. Scanned trees (``measured``) keep that: their radii are known.
     """
-    if float(model.load_factors[0]) > LARGEST_LOAD_FACTOR:
+    if model.chained or float(model.load_factors[0]) > LARGEST_LOAD_FACTOR:
         return None
     first_hz, typical_hz = float(model.frequencies_hz.min()), typical_frequency_hz(tree.height_m)
     sway_m = {speed_m_s: model.steady_sway_m(speed_m_s) for speed_m_s in (BREEZE_M_S, STORM_M_S)}
@@ -81,7 +84,10 @@ def with_expected_motion(tree: TreeMesh) -> TreeMesh:
 def motion_lines(expected: dict[str, Any] | None, may_soften: bool = True) -> list[str]:
     """The expected motion as lines to read; whether a build may soften the tree."""
     if expected is None:
-        return ["Unsure how far it sways: no beams that stand can be laid along its branches."]
+        return [
+            "Unsure how far it sways: its branches are drawn in many pieces, do not bear its weight, or "
+            "cannot be followed."
+        ]
     sways = [f"{_sway_words(sway)} at {sway['wind_m_s']:g} m/s" for sway in expected["sway"]]
     lines = [
         f"expected sway {' and '.join(sways)}, first frequency about {expected['first_frequency_hz']:.2g} Hz"

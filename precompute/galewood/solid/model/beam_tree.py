@@ -68,6 +68,8 @@ class BeamModel:
     place_m: Floats
     streamlined_exponent: float
     axis: Axis
+    chained: bool
+    """Whether limbs are drawn as many overlapping surfaces, whose joints may be weaker than they look."""
 
     @property
     def frequencies_hz(self) -> Floats:
@@ -124,8 +126,8 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
 
 
 def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
-    wood_of = joined_outline if is_chained(tree.wood_vertices_m, tree.wood_faces) else outline_of
-    outline = wood_of(tree.wood_vertices_m, tree.wood_faces)
+    chained = is_chained(tree.wood_vertices_m, tree.wood_faces)
+    outline = (joined_outline if chained else outline_of)(tree.wood_vertices_m, tree.wood_faces)
     frame = replace(frame_of(outline), stiff_radius_m=_stiff_radius_m(tree.wood_vertices_m))
     beams = [_nearest_beams(primitive.positions_m, frame) for primitive in tree.primitives]
     of = {id(primitive): own for primitive, own in zip(tree.primitives, beams, strict=True)}
@@ -159,6 +161,7 @@ def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
         np.repeat(frame.points_m, 4, axis=0),
         crown.streamlined_exponent,
         axis_of_frame(frame, arm_m),
+        chained,
     )
 
 
