@@ -20,13 +20,15 @@ from galewood.solid.skinning.chord_bindings import chord_bindings
 from galewood.solid.skinning.embedding import as_stored, foliage_pieces, piece_size
 from galewood.solid.skinning.wood_bindings import wood_bindings
 from galewood.tree import KINDS, RenderPrimitive, TreeMesh, arms_of
-from galewood.util import Ints
+from galewood.util import Floats, Ints
 
 LARGE_PIECE = 0.1
 """Relative to the height; a larger piece is bound along the branches inside it, if there are any."""
 TOUCH_DISTANCE = 0.005
 """Vertices of a frond that are at most this much farther from its support than the nearest one stay there;
 relative to the height."""
+FEWEST_FACES_OF_ARMS = 3
+"""Two arms, and a face between them. Most pieces are cards of two faces."""
 Smoothing = Callable[[RenderPrimitive, Bindings, Ints], Bindings]
 """Smoothed bindings of the vertices of a primitive, from the initial ones; some vertices (k,) are fixed."""
 
@@ -91,26 +93,34 @@ def _along_branches(
     primitive: RenderPrimitive, piece: Ints, rigid: Bindings, axis: Axis, height_m: float
 ) -> Bindings:
     """The bindings with large pieces bound along the branches that they surround."""
-    bindings = rigid
-    large = np.flatnonzero(piece_size(primitive.positions_m, piece) > LARGE_PIECE * height_m)
-    for number in large.tolist():
-        own = np.flatnonzero(piece == number)
+    size_m = piece_size(primitive.positions_m, piece)
+    by_piece = np.argsort(piece, kind="stable")
+    end = np.cumsum(np.bincount(piece, minlength=len(size_m)))
+    place = np.empty(len(piece), dtype=np.int64)
+    place[by_piece] = np.arange(len(piece)) - np.concatenate([[0], end])[piece[by_piece]]
+    face_piece = piece[primitive.faces[:, 0]]
+    faces = place[primitive.faces[np.argsort(face_piece, kind="stable")]]
+    face_end = np.cumsum(np.bincount(face_piece, minlength=len(size_m)))
+    bent: list[Ints] = [np.zeros(0, np.int64)]
+    along: list[Bindings] = [rigid.take(bent[0])]
+    for number in np.flatnonzero(size_m > LARGE_PIECE * height_m).tolist():
+        own = by_piece[end[number - 1] if number else 0 : end[number]]
+        own_faces = faces[face_end[number - 1] if number else 0 : face_end[number]]
         start = rigid.take(own[:1])
-        for arm in _arms(primitive, own, start):
-            along = chord_bindings(primitive.positions_m[arm], int(start.child[0]), axis, height_m)
-            if along is not None:
-                bindings = bindings.replaced(arm, along)
-    return bindings
+        for arm in _arms(primitive.positions_m[own], own_faces, start):
+            found = chord_bindings(primitive.positions_m[own[arm]], int(start.child[0]), axis, height_m)
+            if found is not None:
+                bent.append(own[arm])
+                along.append(found)
+    return rigid.replaced(np.concatenate(bent), Bindings.concatenated(along))
 
 
-def _arms(primitive: RenderPrimitive, own: Ints, start: Bindings) -> list[Ints]:
+def _arms(positions_m: Floats, faces: Ints, start: Bindings) -> list[Ints]:
     """The vertices (k,) of a piece, or of each of its arms: fronds that are joined where they grow."""
-    inside = np.zeros(len(primitive.positions_m), dtype=bool)
-    inside[own] = True
-    faces = primitive.faces[inside[primitive.faces[:, 0]]]
-    if not len(faces):
-        return [own]
-    arm = arms_of(primitive.positions_m, faces, start.at_m[0])
-    of_vertex = np.zeros(len(primitive.positions_m), dtype=np.int64)
+    every = np.arange(len(positions_m))
+    if len(faces) < FEWEST_FACES_OF_ARMS:
+        return [every]
+    arm = arms_of(positions_m, faces, start.at_m[0])
+    of_vertex = np.zeros(len(positions_m), dtype=np.int64)
     of_vertex[faces.ravel()] = np.repeat(arm, 3)
-    return [own[of_vertex[own] == number] for number in range(int(arm.max()) + 1)]
+    return [every[of_vertex == number] for number in range(int(arm.max()) + 1)]

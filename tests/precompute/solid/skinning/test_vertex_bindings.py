@@ -15,6 +15,8 @@ from galewood.solid.skinning import (
     make_skin,
     vertex_bindings,
 )
+from galewood.solid.skinning import surface_bindings as surface_bindings
+from galewood.tree import arms_of
 from galewood.tree.repair import Surface
 from galewood.tree.types import RenderPrimitive, TreeMesh
 
@@ -131,3 +133,18 @@ def test_a_card_keeps_its_shape_and_turns_with_the_rib(drawn_palm) -> None:
             assert kept == pytest.approx(np.linalg.norm(card_rest[a] - card_rest[b]), rel=1e-5)
     turn = np.dot(card_now[1] - card_now[0], card_rest[1] - card_rest[0])
     assert turn < 0.95 * np.dot(card_rest[1] - card_rest[0], card_rest[1] - card_rest[0])
+
+
+def test_each_piece_is_looked_at_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Thousands of large cards take a time in proportion to their number."""
+    looked_at: list[int] = []
+
+    def counting(vertices_m: np.ndarray, faces: np.ndarray, base_m: np.ndarray) -> np.ndarray:
+        looked_at.append(len(vertices_m))
+        return arms_of(vertices_m, faces, base_m)
+
+    monkeypatch.setattr(surface_bindings, "arms_of", counting)
+    tree, frame = palm()
+    vertex_bindings(tree, axis_of_frame(frame, ARM_M))
+    # blades that touch are one piece; they have 32 vertices each, and the cards are too small to have arms
+    assert sum(looked_at) == 32 * FRONDS
