@@ -58,8 +58,8 @@ def test_a_record_becomes_a_wind_document_with_a_report(api: httpx.Client) -> No
 
 
 def test_errors_name_the_line(api: httpx.Client) -> None:
-    assert problem(converted(api, MAST.replace("\n3,", "\n3,fast"))) == (
-        422, "bad-measurement", "Line 5, column 'speed (m/s)': 'fast6' is not a number.",
+    assert problem(converted(api, MAST.replace("\n3", "\n3,fast"))) == (
+        422, "bad-measurement", "Line 5, column 'speed (m/s)': 'fast' is not a number.",
     )  # fmt: skip
     assert problem(converted(api, "x,y,height\n0,,3\n")) == (
         422, "bad-inventory", "No row describes a tree (line 2: no coordinates).",

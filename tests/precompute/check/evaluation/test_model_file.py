@@ -17,12 +17,13 @@ from galewood.pipeline.stages import model_of
 from galewood.pipeline.tables import BuildOptions
 from galewood.solid.fem import FemModel, save_model
 from galewood.table import Table, decode
+from galewood.wood import wood_of_species
 from typer.testing import CliRunner
 
 from tests.golden import GOLDEN_FOLDER
 from tests.precompute.fixtures.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
-OPTIONS = BuildOptions(species="maple", height_m=5.2, target_tets=TARGET_TETS)
+OPTIONS = BuildOptions(species="maple", height_m=5.2, target_tets=TARGET_TETS, stiffness="as drawn")
 OTHER_SHA256 = "0" * 64
 """Of the model before rounding differed."""
 
@@ -49,6 +50,7 @@ def table_of(model: FemModel, **provenance: Any) -> Table:
     told = {
         "fem": asdict(OPTIONS.fem), "target_tets": TARGET_TETS, "winds": [], "frames": [],
         "tetrahedra": len(model.elements), "model_sha256": OTHER_SHA256, "wood": model.report["wood"],
+        "young_longitudinal_pa": wood_of_species("maple").young_longitudinal_pa,
         **provenance,
     }  # fmt: skip
     metadata = {
