@@ -82,7 +82,7 @@ test("all trees of a file become uploads, and can be cancelled", async ({ page, 
   test.setTimeout(5 * 60_000);
   page.setDefaultTimeout(2 * 60_000);
   await page.setViewportSize({ width: 900, height: 600 });
-  await open(page, SMALL);
+  await open(page, SMALL.replace("panel=0", "panel=1")); // the cards are in the panel
   const buffer = Buffer.from(twoTrees());
   await page.setInputFiles("#file", { name: "garden.obj", mimeType: "model/obj", buffer });
   const dialog = page.getByRole("dialog", { name: /garden/i });
@@ -90,16 +90,17 @@ test("all trees of a file become uploads, and can be cancelled", async ({ page, 
   await dialog.getByRole("button", { name: "Import all 2 trees" }).click();
   await expect(dialog.getByRole("listitem")).toHaveCount(2);
   expect((await copied).status()).toBe(201);
-  const names = async () => {
-    const { trees } = (await (await request.get(`${process.env.BASE_URL}/api/trees`)).json()) as {
-      trees: { name: string }[];
-    };
-    return trees.map(({ name }) => name).filter((name) => name.startsWith("garden"));
+  const get = async (path: string) => (await request.get(`${process.env.BASE_URL}/api/${path}`)).json();
+  const uploads = async () => {
+    const { trees } = (await get("trees")) as { trees: { name: string; job_id: string }[] };
+    return trees.filter(({ name }) => name.startsWith("garden ")).sort((a, b) => a.name.localeCompare(b.name));
   };
-  expect((await names()).sort()).toEqual(["garden 1", "garden 2"]);
-  await dialog.getByRole("button", { name: "Cancel all" }).click();
-  await expect(dialog).toHaveCount(0);
-  await expect.poll(names, { timeout: 120_000 }).toEqual([]);
+  const states = async () => Promise.all((await uploads()).map(async ({ job_id }) => (await get(`jobs/${job_id}`)).state));
+  expect((await uploads()).map(({ name }) => name)).toEqual(["garden 1", "garden 2"]);
+  await expect(dialog).toHaveCount(0); // they move
+  for (const number of [1, 2])
+    await page.locator("#progress").getByRole("button", { name: new RegExp(`^Cancel: garden ${number}`, "i") }).click();
+  await expect.poll(states, { timeout: 120_000 }).toEqual(["cancelled", "cancelled"]);
 });
 
 /** The branched tree, and a copy of it 9 m away. */
