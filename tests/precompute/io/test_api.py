@@ -27,6 +27,7 @@ QUICK: dict[str, Any] = {
     "frames": 16,
     "design_speed_m_s": 14.0,
     "reference_frames": 0,
+    "stiffness": "as drawn",
 }
 HEIGHT_M = 12.0
 """As in the example, so that its build finds the runs of the others."""

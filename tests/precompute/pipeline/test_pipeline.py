@@ -32,6 +32,7 @@ OPTIONS = BuildOptions(
     design_speed_m_s=20.0,
     frames=12,
     reference_frames=12,
+    stiffness="as drawn",
 )
 UNCOMPARED = OPTIONS.model_copy(update={"reference_frames": 0})
 """For the builds whose report is not looked at."""

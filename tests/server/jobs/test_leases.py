@@ -147,9 +147,10 @@ def all_done(api: httpx.Client, jobs: list[dict[str, Any]]) -> None:
 
 def test_each_job_has_one_server_and_both_servers_work(pair: Pair) -> None:
     with pair.servers[0].client() as api, pair.servers[1].client() as other:
-        jobs = [begin(api, f"{name}.obj") for name in "abcd"]
+        # As many as servers: a build that has its table makes way for one that waits, and may change servers.
+        jobs = [begin(api, f"{name}.obj") for name in "ab"]
         all_done(other, jobs)  # visible to the other server as well
-        counts = [pair.steps(f"{name}.obj") for name in "abcd"]
+        counts = [pair.steps(f"{name}.obj") for name in "ab"]
         assert all(sorted(count) == [0, STEPS] for count in counts), counts
         assert {count.index(STEPS) for count in counts} == {0, 1}, counts
         for tree in other.get("/api/trees").json()["trees"]:

@@ -91,11 +91,11 @@ def _write(service: Service, tree_id: str, name: str | None, revision: Revision 
             before = {column: getattr(tree, column) for column in READ_COLUMNS}
             tree.mesh_sha256 = hashlib.sha256(read.render_glb).hexdigest()
         session.flush()
-        out = tree_out(tree)  # before the files are stored: refused if it cannot be serialised
+        tree_out(tree)  # before the files are stored: refused if it cannot be serialised
         if revision:
             for column, sha256 in put_read(service, revision.read).items():
                 setattr(tree, column, sha256)
             session.flush()
             count_stored(service.settings, read_bytes(revision.read))
             remove_read(session, service, before)
-        return out
+        return tree_out(tree)
