@@ -9,9 +9,9 @@ from galewood.options.evaluation import (
     EvaluationOptions,
     EvaluationSeed,
 )
-from galewood.options.first_table import AFTER_BEAMS
 from galewood.options.method import METHOD_HELP, METHOD_NAMES, Method
 from galewood.options.request import (
+    AFTER_BEAMS,
     MAX_HEIGHT_M,
     MAX_TETS,
     MIN_HEIGHT_M,

@@ -32,6 +32,10 @@ MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 """Heights of trees; the highest known one has 116 m."""
 MIN_TETS, USUAL_TETS, MAX_TETS = 500, 5500, 60_000
 TRAINING_SEED = 1
+AFTER_BEAMS = frozenset(
+    {"target_tets", "sampled_elements", "frames", "paper", "bare_table", "all_cosine_winds", "accept"}
+)
+"""Options on which a table of beams does not depend: one that was made with others will do."""
 
 
 class ImportRequest(BaseModel):

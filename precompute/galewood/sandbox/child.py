@@ -17,8 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from galewood.sandbox.arrays import Arrays
 from galewood.sandbox.confinement import confine
-from galewood.sandbox.limited_process import OUT_OF_MEMORY, REFUSED_EXIT_CODE, Arrays
+from galewood.sandbox.limited_process import OUT_OF_MEMORY, REFUSED_EXIT_CODE
 from galewood.util import MeshError
 
 FILE_BYTES = 2 << 30

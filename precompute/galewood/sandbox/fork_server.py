@@ -17,8 +17,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
+from galewood.sandbox.arrays import Arrays
 from galewood.sandbox.child import limit_resources, run_confined
-from galewood.sandbox.limited_process import STDERR_FILE, Arrays
+from galewood.sandbox.limited_process import STDERR_FILE
 
 FAILED_EXIT_CODE = 1
 
@@ -63,8 +64,8 @@ def _detach(folder: Path) -> None:
     errors = os.open(STDERR_FILE, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
     for source, descriptor in ((nothing, 0), (nothing, 1), (errors, 2)):
         os.dup2(source, descriptor)
-        os.close(source) if source == errors else None
     os.close(nothing)
+    os.close(errors)
 
 
 def _write_no_kernels() -> None:

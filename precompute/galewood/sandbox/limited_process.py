@@ -20,8 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
+from galewood.sandbox.arrays import Arrays
 from galewood.sandbox.results import (
-    Arrays,
     UntrustworthyError,
     open_untrusted,
     read_arrays,

@@ -9,10 +9,10 @@ import tempfile
 import threading
 from pathlib import Path
 
+from galewood.sandbox.arrays import Arrays
 from galewood.sandbox.limited_process import (
     TIMED_OUT,
     TOO_MUCH_WRITTEN,
-    Arrays,
     Ended,
     Limits,
     end_of_stderr,

@@ -14,11 +14,10 @@ from pathlib import Path
 from typing import IO, Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from galewood.sandbox.arrays import Arrays
 from galewood.util import MeshError, Reason
 
-Arrays = dict[str, NDArray[Any]]
 ERROR_BYTES = 1 << 20
 """Maximum size of a description of an error."""
 FILE_OVERHEAD_BYTES = 4096

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from galewood.sandbox.limited_process import Arrays
+from galewood.sandbox.arrays import Arrays
 from galewood.util import usable_cores
 
 

@@ -10,12 +10,9 @@ from .repair import signed_volumes as signed_volumes
 from .repair import unique_edges as unique_edges
 from .repair import volume as volume
 from .repair import weld_keeping_faces as weld_keeping_faces
-from .sandboxed import from_json_array as from_json_array
 from .sandboxed import import_mesh_sandboxed as import_mesh_sandboxed
 from .sandboxed import pack_tree as pack_tree
 from .sandboxed import pieces_sandboxed as pieces_sandboxed
-from .sandboxed import to_bytes_array as to_bytes_array
-from .sandboxed import to_json_array as to_json_array
 from .sandboxed import unpack_tree as unpack_tree
 from .types import KINDS as KINDS
 from .types import RenderPrimitive as RenderPrimitive

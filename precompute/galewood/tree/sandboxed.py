@@ -4,16 +4,12 @@ MeshError.
 
 from __future__ import annotations
 
-import json
 from importlib import import_module
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from galewood.formats import MAX_BYTES, pack_material, unpack_material
 from galewood.options import ImportRequest
-from galewood.sandbox import Arrays, Limits, run_limited
+from galewood.sandbox import Arrays, Limits, from_json_array, run_limited, to_bytes_array, to_json_array
 from galewood.tree.importer import read_tree, render_glb
 from galewood.tree.piece_mesh import pieces_glb
 from galewood.tree.types import RenderPrimitive, TreeMesh
@@ -144,18 +140,3 @@ def _primitive(arrays: Arrays, i: int, head: dict[str, Any]) -> RenderPrimitive:
         material=material,
         **extras,
     )
-
-
-def to_bytes_array(content: bytes) -> NDArray[np.uint8]:
-    """Bytes as an array that can be stored in .npz."""
-    return np.frombuffer(content, dtype=np.uint8)
-
-
-def to_json_array(value: Any) -> NDArray[np.uint8]:
-    """A value as JSON in an array that can be stored in .npz."""
-    return to_bytes_array(json.dumps(value).encode())
-
-
-def from_json_array(array: NDArray[Any]) -> Any:
-    """Inverse of to_json_array."""
-    return json.loads(array.tobytes())

@@ -36,16 +36,17 @@ def claim(
 ) -> tuple[str, str] | None:
     """Claim the oldest job that is queued or whose lease has expired: (job id, lease), or None.
 
-    ``after_table``: a build that has its table; there is none to claim while one without waits.
+    ``after_table``: a build that has its table; there is none to claim while one without waits. Its server
+    has its files, and for the length of a lease no other one claims it.
     """
     now = database_now(session)
-    claimable = _claimable(now)
-    waiting = select(Job.id).where(claimable, Job.kind.in_(kinds)).order_by(AFTER_TABLE, Job.created_at)
-    job_id = session.scalars(waiting.limit(1)).first()
-    if job_id and session.scalar(select(AFTER_TABLE).where(Job.id == job_id)) != after_table:
+    left_alone = or_(Job.owner.is_(None), Job.updated_at < now - timedelta(seconds=lease_s))
+    claimable = and_(_claimable(now), or_(not_(AFTER_TABLE), Job.owner == owner, left_alone))
+    waiting = select(Job.id, AFTER_TABLE).where(claimable, Job.kind.in_(kinds))
+    first = session.execute(waiting.order_by(AFTER_TABLE, Job.created_at).limit(1)).first()
+    if first is None or first[1] != after_table:
         return None
-    if job_id is None:
-        return None
+    job_id: str = first[0]
     values: dict[str, Any] = {
         "state": "running",
         "message": "Starting",

@@ -86,6 +86,16 @@ test("all trees of a file become uploads, and can be cancelled", async ({ page, 
   const buffer = Buffer.from(twoTrees());
   await page.setInputFiles("#file", { name: "garden.obj", mimeType: "model/obj", buffer });
   const dialog = page.getByRole("dialog", { name: /garden/i });
+  // Trees move at once: the start of the second one is held back, so that it can be cancelled before it moves.
+  let goOn = () => {};
+  const cancelled = new Promise<void>((resolve) => {
+    goOn = resolve;
+  });
+  let starts = 0;
+  await page.route("**/precompute", async (route) => {
+    if (++starts === 2) await cancelled;
+    await route.continue();
+  });
   const copied = page.waitForResponse((one) => one.url().endsWith("/copies"));
   await dialog.getByRole("button", { name: "Import all 2 trees" }).click();
   await expect(dialog.getByRole("listitem")).toHaveCount(2);
@@ -96,11 +106,15 @@ test("all trees of a file become uploads, and can be cancelled", async ({ page, 
     return trees.filter(({ name }) => name.startsWith("garden ")).sort((a, b) => a.name.localeCompare(b.name));
   };
   const states = async () => Promise.all((await uploads()).map(async ({ job_id }) => (await get(`jobs/${job_id}`)).state));
-  expect((await uploads()).map(({ name }) => name)).toEqual(["garden 1", "garden 2"]);
-  await expect(dialog).toHaveCount(0); // they move
-  for (const number of [1, 2])
-    await page.locator("#progress").getByRole("button", { name: new RegExp(`^Cancel: garden ${number}`, "i") }).click();
-  await expect.poll(states, { timeout: 120_000 }).toEqual(["cancelled", "cancelled"]);
+  const names = async () => (await uploads()).map(({ name }) => name);
+  expect(await names()).toEqual(["garden 1", "garden 2"]);
+  await dialog.getByRole("button", { name: "Cancel all" }).click();
+  goOn();
+  await expect(dialog).toHaveCount(0);
+  await expect.poll(names, { timeout: 120_000 }).toEqual(["garden 1"]);
+  // The first one moves already: only its computation ends.
+  await page.locator("#progress").getByRole("button", { name: /^Cancel: garden 1/i }).click();
+  await expect.poll(states, { timeout: 120_000 }).toEqual(["cancelled"]);
 });
 
 /** The branched tree, and a copy of it 9 m away. */

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 import pytest
-from galewood.sandbox.limited_process import Arrays, Limits, run_limited
+from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.tree.importer import read_tree, render_glb
 from galewood.tree.sandboxed import import_mesh_sandboxed, pack_tree, unpack_tree
 from galewood.util import MeshError

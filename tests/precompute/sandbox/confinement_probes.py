@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from galewood.sandbox.limited_process import Arrays
+from galewood.sandbox import Arrays
 
 LIBC = ctypes.CDLL(None, use_errno=True)
 DONE = "done"

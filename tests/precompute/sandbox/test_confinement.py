@@ -14,9 +14,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.sandbox import confinement, system_calls
+from galewood.sandbox import Arrays, Limits, confinement, run_limited, system_calls
 from galewood.sandbox.confinement import unavailable_restrictions
-from galewood.sandbox.limited_process import Arrays, Limits, run_limited
 from galewood.tree.importer import read_tree
 from PIL import Image
 

@@ -70,6 +70,14 @@ def test_builds_with_a_table_come_after_all_others(tmp_path: Path) -> None:
     with sessions.begin() as session:
         job = session.get_one(Job, "old")
         assert (job.state, job.stage, job.lease) == ("queued", "records", None)
+        assert claim(session, "two", ("build",), 60, after_table=True) is None, "its server has its files"
+        assert claim(session, "one", ("build",), 60, after_table=True)
+        put_back(session, "old", str(job.lease))
+        session.refresh(job)
+        job.updated_at -= timedelta(seconds=90)
+    with sessions.begin() as session:
+        again = claim(session, "two", ("build",), 60, after_table=True)
+        assert again and again[0] == "old", "its server has not taken it"
         session.add(Job(id="next", tree_id="t"))
         session.flush()
         assert is_awaited(session, *bare), "a tree waits"
@@ -147,10 +155,10 @@ def all_done(api: httpx.Client, jobs: list[dict[str, Any]]) -> None:
 
 def test_each_job_has_one_server_and_both_servers_work(pair: Pair) -> None:
     with pair.servers[0].client() as api, pair.servers[1].client() as other:
-        # As many as servers: a build that has its table makes way for one that waits, and may change servers.
-        jobs = [begin(api, f"{name}.obj") for name in "ab"]
+        names = [f"bare-{name}.obj" for name in "abcd"]  # their builds end with the table
+        jobs = [begin(api, name) for name in names]
         all_done(other, jobs)  # visible to the other server as well
-        counts = [pair.steps(f"{name}.obj") for name in "ab"]
+        counts = [pair.steps(name) for name in names]
         assert all(sorted(count) == [0, STEPS] for count in counts), counts
         assert {count.index(STEPS) for count in counts} == {0, 1}, counts
         for tree in other.get("/api/trees").json()["trees"]:

@@ -24,7 +24,6 @@ from galewood.util import cpu_seconds
 REPEAT_COUNT = 3
 SOLVED_STEPS = 30
 PRESSURE_PA = np.array([30.0, 10.0])
-SMALL_LIMITS = Limits()
 
 
 def bench_upload(mesh: Path) -> dict[str, Any]:
@@ -34,7 +33,7 @@ def bench_upload(mesh: Path) -> dict[str, Any]:
     """
     data, function = mesh.read_bytes(), PreparedFunction(READ_IN_CHILD)
     function.prepare()
-    run = partial(function.run, limits=SMALL_LIMITS, what="Reading the mesh")
+    run = partial(function.run, limits=Limits(), what="Reading the mesh")
 
     def read(moving: bool) -> None:
         read_upload(run, data, mesh.name, ImportRequest(), moving=moving)

@@ -30,6 +30,7 @@ from galewood.motion.wind.recording import EMPTY_RECORDING, Recording, recording
 
 FIELDS = {name: Field(**field) for name, field in WIND_FIELDS.items()}
 """Numbers of a wind document."""
+WAVES_EXPECTED = f"expected a list of 1..{MOST_WAVES} waves"
 WAVE_RULES = {name: Field(**field) for name, field in WAVE_FIELDS.items()}
 
 
@@ -106,7 +107,7 @@ def _unknown_model(model: object) -> WindError:
 
 def _check_waves(waves: Sequence[Wave]) -> None:
     if not 1 <= len(waves) <= MOST_WAVES:
-        raise WindError("wind.waves", f"expected a list of 1..{MOST_WAVES} waves")
+        raise WindError("wind.waves", WAVES_EXPECTED)
     if sum(wave.share for wave in waves) > 1.0 + WAVE_SHARE_TOLERANCE:
         raise WindError("wind.waves", "expected shares that sum to at most 1")
 
@@ -137,8 +138,8 @@ def parse_wind(document: object) -> Wind:
 
 
 def _waves(value: object) -> tuple[Wave, ...]:
-    if not isinstance(value, list | tuple) or not 1 <= len(cast(Sequence[object], value)) <= MOST_WAVES:
-        raise WindError("wind.waves", f"expected a list of 1..{MOST_WAVES} waves")
+    if not isinstance(value, list | tuple):
+        raise WindError("wind.waves", WAVES_EXPECTED)
     return tuple(_wave(wave, f"wind.waves[{k}]") for k, wave in enumerate(cast(Sequence[object], value)))
 
 

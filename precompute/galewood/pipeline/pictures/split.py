@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw
 
 from galewood.options import ImportRequest
 from galewood.pipeline.pictures.thumbnail import LIMITS, painted
-from galewood.sandbox import Arrays, run_limited
-from galewood.tree import detected_faces, from_json_array, to_bytes_array, to_json_array
+from galewood.sandbox import Arrays, from_json_array, run_limited, to_bytes_array, to_json_array
+from galewood.tree import detected_faces
 from galewood.util import Floats
 
 SPLIT_RGB = {"wood": (0.75, 0.54, 0.33), "twigs": (0.59, 0.4, 0.24), "leaves": (0.5, 0.69, 0.38),

@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from galewood.options import ImportRequest
-from galewood.util import Array
+from galewood.sandbox import Arrays, from_json_array, to_bytes_array, to_json_array
 from galewood.versions import sources_hash
 
 if TYPE_CHECKING:  # the caller needs no mesh libraries, only the child does
     from galewood.tree import TreeMesh
 
 log = logging.getLogger("galewood.import")
-Arrays = dict[str, Array]
 READ_IN_CHILD = "galewood.pipeline.stages.reading:read_in_child"
 """The function to run in a sandboxed child."""
 KEY_ARRAY, GLB_ARRAY, BEAMS_ARRAY, HEAD_ARRAY = "key", "glb", "beams", "head"
@@ -58,12 +57,12 @@ def read_upload(
     ``moving``: whether the table of beams is wanted.
     """
     request = {"filename": filename, "options": _as_json(options), "moving": moving}
-    result = run({"data": np.frombuffer(data, np.uint8), "request": _json_array(request)})
+    result = run({"data": to_bytes_array(data), "request": to_json_array(request)})
     render_glb, beams = result.pop(GLB_ARRAY).tobytes(), result.pop(BEAMS_ARRAY, None)
-    head = json.loads(result[HEAD_ARRAY].tobytes())
+    head = from_json_array(result[HEAD_ARRAY])
     key = import_key(hashlib.sha256(data).hexdigest(), filename, options)
     tree = io.BytesIO()
-    np.savez(tree, allow_pickle=False, **{**result, KEY_ARRAY: _json_array(key)})
+    np.savez(tree, allow_pickle=False, **{**result, KEY_ARRAY: to_json_array(key)})
     return ReadUpload(
         head["species"],
         head["height_m"],
@@ -83,7 +82,7 @@ def import_key(source_sha256: str, filename: str, options: ImportRequest) -> str
 def kept_tree(tree: bytes, key: str) -> TreeMesh | None:
     """The tree of a file that ``read_upload`` made; None if it has another ``import_key``."""
     with np.load(io.BytesIO(tree), allow_pickle=False) as file:
-        if json.loads(file[KEY_ARRAY].tobytes()) != key:
+        if from_json_array(file[KEY_ARRAY]) != key:
             return None
         from galewood.tree import unpack_tree  # loads the mesh libraries
 
@@ -95,24 +94,20 @@ def _as_json(options: ImportRequest) -> dict[str, Any]:
     return options.model_dump(mode="json", include=set(ImportRequest.model_fields), exclude_none=True)
 
 
-def _json_array(value: Any) -> Array:
-    return np.frombuffer(json.dumps(value).encode(), np.uint8)
-
-
 def read_in_child(arguments: Arrays) -> Arrays:
     """The part of ``read_upload`` that runs in the child."""
     from galewood.pipeline.tables import with_expected_motion
     from galewood.tree import pack_tree, read_tree, render_glb
 
-    request = json.loads(arguments["request"].tobytes())
+    request = from_json_array(arguments["request"])
     options = ImportRequest.model_validate(request["options"])
     tree = read_tree(arguments["data"].tobytes(), request["filename"], options)
     glb = render_glb(tree)
     beams = _beams(tree, options, glb) if request["moving"] else None
     return {
         **pack_tree(with_expected_motion(tree)),
-        GLB_ARRAY: np.frombuffer(glb, np.uint8),
-        **({} if beams is None else {BEAMS_ARRAY: np.frombuffer(beams, np.uint8)}),
+        GLB_ARRAY: to_bytes_array(glb),
+        **({} if beams is None else {BEAMS_ARRAY: to_bytes_array(beams)}),
     }
 
 
@@ -136,4 +131,4 @@ def warm_up() -> None:
     from galewood.pipeline.stages.kernel_compilation import small_tree_obj
 
     request = {"filename": "small-tree.obj", "options": {}, "moving": True}
-    read_in_child({"data": np.frombuffer(small_tree_obj(), np.uint8), "request": _json_array(request)})
+    read_in_child({"data": to_bytes_array(small_tree_obj()), "request": to_json_array(request)})

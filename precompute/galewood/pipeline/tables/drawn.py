@@ -14,6 +14,7 @@ import numpy as np
 
 from galewood.constants import PULL_MOST_REACH
 from galewood.motion.wind import Wind, WindField
+from galewood.pipeline.tables.expected import STORM_M_S
 from galewood.player import WindDrivenTrees, point_response
 from galewood.solid.skinning import FIGURE_SWAY, is_torn, stretch_words
 from galewood.table import Table, encode
@@ -21,10 +22,9 @@ from galewood.util import Floats, Ints
 
 log = logging.getLogger("galewood.build")
 HEADING_COUNT = 4
-STORM_M_S = 18.0
 STRONG_M_S = 30.0
 """Mean speed of the wind whose farthest sways are scaled to the sway of the figures."""
-PLAYED_FRAMES, FRAME_S = 150, 1 / 30
+PLAYED_FRAMES = 150
 PULLED_POINTS, PULLS_PER_POINT = 6, 2
 LOWEST_PULL = 0.3
 """Height above which points are pulled, relative to that of the tree."""
@@ -64,10 +64,10 @@ def _played(table: Table, speed_m_s: float, choice: PoseChoice) -> Floats:
     place_m = 10.0 * float(table.metadata["height_m"]) * np.arange(HEADING_COUNT)
     rows = np.column_stack([place_m, 0 * yaw, yaw, np.ones(HEADING_COUNT)])
     trees = WindDrivenTrees(table, rows)
-    field = WindField(Wind(mean_speed_m_s=speed_m_s, seed=choice.seed))
+    field, dt_s = WindField(Wind(mean_speed_m_s=speed_m_s, seed=choice.seed)), float(table.metadata["dt_s"])
     motion = np.zeros((HEADING_COUNT, PLAYED_FRAMES, len(table.mode_scale)))
     for frame in range(PLAYED_FRAMES):
-        trees.step(field, (frame + 1) * FRAME_S, FRAME_S)
+        trees.step(field, (frame + 1) * dt_s, dt_s)
         motion[:, frame] = trees.q
     return motion
 

@@ -36,7 +36,7 @@ def motion_of(tree: TreeMesh, model: BeamModel) -> dict[str, Any] | None:
     """First frequency and sway of a tree of beams; JSON-able. None: unsure.
 
     Unsure if the tree would not stand, or if its limbs are chains of overlapping surfaces: how these hold on
-    to each other decides how stiff they are, and the finite elements then had 0.5 to 1.2 of the frequency.
+    to each other decides how stiff they are, and the finite elements then had 0.45 to 1.25 of the frequency.
 
     The sway is the largest displacement under a steady wind, for a linear response; gusts add to it.
     ``typical_frequency_hz`` is that of measured trees of this height. ``lively_frequency_hz`` is at most as

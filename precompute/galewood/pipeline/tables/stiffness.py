@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from scipy.optimize import brentq
+
 from galewood.pipeline.tables.expected import MOST_SOFTENED, STORM_M_S, is_softened, motion_of
 from galewood.pipeline.tables.options import BuildOptions
 from galewood.solid.fem import FemModel
@@ -17,14 +19,11 @@ from galewood.wood import Wood
 
 FREQUENCY_TOLERANCE = 0.005
 """Deviation of the first frequency from the requested one at which the search ends; 1 % is promised."""
-MAX_MODELS = 12
-MIN_FACTOR, MAX_FACTOR = 1e-5, 1e4
-"""Limits of the factor of the stiffness."""
-WIDEST_STEP = 100.0
-"""Largest change of the factor in a step of the search."""
-SMALLEST_SLOPE, AIM_RATIO = 0.02, 1.02
-"""Least growth of ln frequency with ln factor that the search believes, and how far it aims beyond the goal,
-so that the next point is on the other side of it."""
+MAX_ROUNDS = 8
+LN_FACTORS = math.log(1e-5), math.log(1e4)
+"""Limits of the logarithm of the factor of the stiffness."""
+AIM_RATIO = 1.02
+"""How far the search aims beyond the goal, so that the next point is on the other side of it."""
 
 
 @dataclass(frozen=True)
@@ -91,69 +90,41 @@ def scaled_to(goal: Goal, build: Callable[[float], FemModel]) -> tuple[FemModel,
 
     Frequencies follow the square root of the stiffness, apart from the weight of the tree, which bends and
     softens it, and apart from what lets a soft tree stand (`galewood.solid.fem.support`): its own factors of
-    stiffness and mass change with that of the wood. The factor is therefore searched for between factors that
-    are known to be too small and too large.
+    stiffness and mass change with that of the wood. So the root is sought between factors that are known to
+    be too small and too large, in the logarithms of both (Brent's method).
     """
-    search = _Search(goal.frequency_hz)
-    factor = 1.0 if goal.at_most else _limited(goal.factor)
-    best: tuple[float, FemModel, float] | None = None
-    for _ in range(MAX_MODELS):
-        model = build(factor)
-        found_hz = _first_hz(model)
-        if goal.at_most and factor == 1 and goal.frequency_hz > MOST_SOFTENED * found_hz:
-            return model, factor
-        off = abs(math.log(found_hz / goal.frequency_hz))
-        if best is None or off < best[0]:
-            best = off, model, factor
-        if off <= FREQUENCY_TOLERANCE:
-            break
-        search.add(factor, found_hz)
-        following = search.next()
-        if following == factor:
-            break
-        factor = following
-    assert best is not None
-    _, model, factor = best
+    models: dict[float, FemModel] = {}
+
+    def excess(ln_factor: float) -> float:
+        """Logarithm of the first frequency over the requested one."""
+        if ln_factor not in models:
+            models[ln_factor] = build(math.exp(ln_factor))
+        return math.log(_first_hz(models[ln_factor]) / goal.frequency_hz)
+
+    start = 0.0 if goal.at_most else min(max(math.log(goal.factor), LN_FACTORS[0]), LN_FACTORS[1])
+    if goal.at_most and excess(start) < -math.log(MOST_SOFTENED):
+        return models[start], 1.0
+    near, beyond = _bracket(excess, start)
+    if near != beyond:
+        brentq(excess, near, beyond, xtol=FREQUENCY_TOLERANCE, maxiter=MAX_ROUNDS, disp=False)
+    best = min(models, key=lambda ln_factor: abs(excess(ln_factor)))
+    model, factor = models[best], math.exp(best)
     model.report["stiffness"] = stiffness_report(goal, factor, model)
     return model, factor
 
 
-class _Search:
-    """The factor of a frequency, by secants through points (ln factor, ln frequency over the wanted one).
-
-    If a secant stays on one side of the bracket, the other end counts half (the Illinois rule).
-    """
-
-    def __init__(self, wanted_hz: float) -> None:
-        self._wanted = math.log(wanted_hz)
-        self._points: list[tuple[float, float]] = []
-        self._ends: dict[bool, tuple[float, float]] = {}
-
-    def add(self, factor: float, found_hz: float) -> None:
-        """Take a factor and the frequency that it gave, Hz."""
-        point = math.log(factor), math.log(found_hz) - self._wanted
-        high = point[1] > 0
-        if self._points and (self._points[-1][1] > 0) == high and (not high) in self._ends:
-            x, y = self._ends[not high]
-            self._ends[not high] = x, y / 2
-        self._points.append(point)
-        self._ends[high] = point
-
-    def next(self) -> float:
-        """The factor to try next."""
-        if len(self._ends) == 2:
-            (a, below), (b, above) = self._ends[False], self._ends[True]
-            return _limited(math.exp(a - below * (b - a) / (above - below)))
-        (x, y), slope = self._points[-1], 0.5  # the square root, until two points tell more
-        if len(self._points) > 1:
-            before_x, before_y = self._points[-2]
-            slope = min(max((y - before_y) / (x - before_x), SMALLEST_SLOPE), 0.5)
-        step = min(max(-AIM_RATIO * y / slope, -math.log(WIDEST_STEP)), math.log(WIDEST_STEP))
-        return _limited(math.exp(x + step))
-
-
-def _limited(factor: float) -> float:
-    return min(max(factor, MIN_FACTOR), MAX_FACTOR)
+def _bracket(excess: Callable[[float], float], start: float) -> tuple[float, float]:
+    """Two places on either side of the root; twice the same if it is near enough, or if there are none."""
+    near, gain = start, AIM_RATIO / 0.5  # the frequency follows the square root
+    for _ in range(MAX_ROUNDS):
+        found = excess(near)
+        beyond = min(max(near - gain * found, LN_FACTORS[0]), LN_FACTORS[1])
+        if abs(found) <= FREQUENCY_TOLERANCE or beyond == near:
+            break
+        if excess(beyond) * found < 0:
+            return near, beyond
+        near, gain = beyond, 2 * gain
+    return near, near
 
 
 def _first_hz(model: FemModel) -> float:

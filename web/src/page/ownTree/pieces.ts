@@ -4,6 +4,22 @@ import { make } from "../ui/dom";
 /** "other" is left out. */
 export type PieceKind = "wood" | "twigs" | "leaves" | "other";
 
+/** How pieces are drawn and listed; what is left out is red. */
+export const KIND_COLOURS: Readonly<Record<PieceKind, string>> = {
+  wood: "#c08a55",
+  twigs: "#96663c",
+  leaves: "#7fb061",
+  other: "#d9402f",
+};
+
+/** A square in the colour of a kind. */
+export function swatchOf(kind: PieceKind): HTMLElement {
+  const swatch = make("span", "", "own-tree-swatch");
+  swatch.style.background = KIND_COLOURS[kind];
+  swatch.setAttribute("aria-hidden", "true");
+  return swatch;
+}
+
 /** A group of connected pieces, as detected or as chosen. */
 export interface Piece {
   readonly id: string;
@@ -108,9 +124,8 @@ export class PieceList {
 
   private row(piece: Piece, row: number, all: readonly Piece[]): HTMLElement {
     const made = make("li");
-    const swatch = make("span", "", `own-tree-swatch ${piece.kind}`);
+    const swatch = swatchOf(piece.kind);
     if (piece.colour) swatch.style.background = piece.colour;
-    swatch.setAttribute("aria-hidden", "true");
     const unsure = piece.sure || piece.chosen ? "" : "Unsure: please check. ";
     const about = make("span", "", "own-tree-about");
     const faces = `${piece.faces.toLocaleString("en")} faces; `;

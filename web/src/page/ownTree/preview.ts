@@ -14,10 +14,9 @@ import {
 import { PreviewStage } from "../../scene/previewStage";
 import { isClick } from "../ui/dom";
 import type { PieceModel } from "./painting/pieceModel";
-import { type Piece, rowsOfVertices } from "./pieces";
+import { KIND_COLOURS, type Piece, rowsOfVertices } from "./pieces";
 import { hatchUnsure, leftOutOf, type Placing } from "./split";
 
-const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
 const TURN_RAD_S = 0.35;
 const DIM_FACTOR = 0.3;
 const BRIGHT_FACTOR = 1.8;
@@ -152,7 +151,7 @@ function meshOf({ kind, vertices, position, normal, uv, index, material }: TreeP
   geometry.setIndex(index);
   const leaves = kind === "leaves";
   const look = new MeshLambertMaterial({
-    color: COLOURS[kind],
+    color: KIND_COLOURS[kind],
     vertexColors: true,
     alphaMap: null,
     map: leaves ? material.map : null,

@@ -11,9 +11,8 @@ import {
 } from "three";
 import { make } from "../ui/dom";
 import type { PieceModel } from "./painting/pieceModel";
-import type { Piece } from "./pieces";
+import { KIND_COLOURS, type Piece, swatchOf } from "./pieces";
 
-const LEFT_OUT_COLOUR = 0xd9402f;
 const STRIPES_GLSL = /* glsl */ `#include <dithering_fragment>
 if (hatched > 0.5 && fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0) < 0.34) gl_FragColor.rgb *= 0.25;`;
 
@@ -64,7 +63,7 @@ export function leftOutFaces(
 /** What is left out, in red, where it stands beside the tree. */
 export function leftOutOf({ parts, table }: PieceModel, { origin, metresPerUnit }: Placing): Group {
   const group = new Group();
-  const look = new MeshLambertMaterial({ color: LEFT_OUT_COLOUR, side: DoubleSide, flatShading: true });
+  const look = new MeshLambertMaterial({ color: KIND_COLOURS.other, side: DoubleSide, flatShading: true });
   for (const { geometry, map } of parts) {
     map?.dispose();
     const rows = geometry.getAttribute("piece");
@@ -87,14 +86,16 @@ export function leftOutOf({ parts, table }: PieceModel, { origin, metresPerUnit 
 /** What the colours mean. */
 export function splitLegend(): HTMLElement {
   const legend = make("p", "", "own-tree-legend");
-  for (const [name, words] of [
-    ["wood", "wood"],
-    ["leaves", "leaves"],
-    ["other", "left out"],
-    ["hatched", "unsure"],
-  ]) {
+  const hatched = make("span", "", "own-tree-swatch hatched");
+  hatched.setAttribute("aria-hidden", "true");
+  for (const [swatch, words] of [
+    [swatchOf("wood"), "wood"],
+    [swatchOf("leaves"), "leaves"],
+    [swatchOf("other"), "left out"],
+    [hatched, "unsure"],
+  ] as const) {
     const entry = make("span");
-    entry.append(make("span", "", `own-tree-swatch ${name}`), words);
+    entry.append(swatch, words);
     legend.append(entry);
   }
   return legend;

@@ -1,5 +1,7 @@
 /** The controls of painting: what is painted, how wide, undo and redo, and the end. */
+
 import { make } from "../../ui/dom";
+import { swatchOf } from "../pieces";
 import { PAINTS, type Paint } from "./paintedKinds";
 
 const WORDS: Record<Paint, string> = { wood: "Wood", leaves: "Leaves", other: "Leave out" };
@@ -40,10 +42,8 @@ export class PaintBar {
       const radio = make("input");
       Object.assign(radio, { type: "radio", name: "own-tree-paint", value: kind, checked: kind === "wood" });
       radio.addEventListener("change", () => this.events.paint(kind));
-      const swatch = make("span", "", `own-tree-swatch ${kind}`);
-      swatch.setAttribute("aria-hidden", "true");
       label.title = `Key ${KEYS[kind]}`;
-      label.append(radio, swatch, make("span", WORDS[kind]));
+      label.append(radio, swatchOf(kind), make("span", WORDS[kind]));
       set.append(label);
     }
     return set;

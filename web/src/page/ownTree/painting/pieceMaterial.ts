@@ -1,14 +1,7 @@
 /** Draws pieces in the colour of their kind, or their rows as colours to be read back. */
-import { DataTexture, DoubleSide, NearestFilter, ShaderMaterial, type Texture } from "three";
-import type { PieceKind } from "../pieces";
+import { Color, DataTexture, DoubleSide, NearestFilter, ShaderMaterial, type Texture } from "three";
+import { KIND_COLOURS, type PieceKind } from "../pieces";
 
-/** sRGB. */
-const KIND_COLOURS: Record<PieceKind, readonly [number, number, number]> = {
-  wood: [0xc0, 0x8a, 0x55],
-  twigs: [0x96, 0x66, 0x3c],
-  leaves: [0x7f, 0xb0, 0x61],
-  other: [0x6d, 0x74, 0x7a],
-};
 const TEXTURE_WIDTH = 256;
 
 /** The colour of every piece, one texel each. */
@@ -24,7 +17,8 @@ export class PieceColours {
   }
 
   set(row: number, kind: PieceKind): void {
-    this.bytes.set(KIND_COLOURS[kind], 4 * row);
+    const rgb = new Color(KIND_COLOURS[kind]).getHex(); // sRGB
+    this.bytes.set([rgb >> 16, (rgb >> 8) & 255, rgb & 255], 4 * row);
     this.texture.needsUpdate = true;
   }
 }
