@@ -11,6 +11,9 @@
 The names in ``__init__.pyi`` are the public API; the sub-packages may change between versions.
 """
 
+from importlib.metadata import version as _version
+
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__version__ = _version("galewood")

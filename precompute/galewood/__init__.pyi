@@ -17,6 +17,10 @@ from .io.api import save as save
 from .io.export import ExportError as ExportError
 from .io.notebook import NotebookError as NotebookError
 from .io.notebook import show as show
+from .measurements import Measurement as Measurement
+from .measurements import MeasurementError as MeasurementError
+from .measurements import measured_wind as measured_wind
+from .measurements import read_measurement as read_measurement
 from .motion.wind import PRESETS as PRESETS
 from .motion.wind import Wind as Wind
 from .motion.wind import WindError as WindError
@@ -31,3 +35,5 @@ from .util import MeshError as MeshError
 from .wood import SPECIES as SPECIES
 from .wood import Wood as Wood
 from .wood import WoodError as WoodError
+
+__version__: str

@@ -4,6 +4,7 @@ from galewood.measurements.anemometer import (
     Measurement,
     MeasurementError,
     MeasurementReport,
+    measured_wind,
     read_measurement,
 )
 from galewood.measurements.data_file import UnknownContentError, read_data_file
@@ -20,6 +21,7 @@ __all__ = [
     "Stem",
     "UnknownContentError",
     "convert_limited",
+    "measured_wind",
     "read_data_file",
     "read_inventory",
     "read_measurement",

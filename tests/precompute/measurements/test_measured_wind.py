@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from galewood.measurements import Measurement, MeasurementError, read_measurement
+from galewood.measurements import Measurement, MeasurementError, measured_wind, read_measurement
 from galewood.motion.wind import WindField, parse_wind
 
 Line = Callable[[float, float, float], str]
@@ -369,3 +369,32 @@ def test_the_meteorological_direction_is_where_the_wind_comes_from() -> None:
     assert wind.direction_deg == pytest.approx(0.0, abs=1e-9)  # a westerly blows towards x
     text = "time,speed,direction\n" + "\n".join(f"{k},6,0" for k in range(20))
     assert read_measurement(text.encode()).wind.direction_deg == pytest.approx(90.0)  # a northerly, towards z
+
+
+def test_arrays_give_the_wind_of_a_file_with_the_same_numbers() -> None:
+    taken = samples(200, 0.5)
+    time_s, speed_m_s, from_deg = (np.array(column) for column in zip(*taken, strict=True))
+    exact = HEAD + "\n".join(",".join(repr(number) for number in sample) for sample in taken)
+    of_file = read_measurement(exact.encode())
+    of_arrays = measured_wind(time_s, speed_m_s, from_deg)
+    assert of_arrays.wind == of_file.wind
+    dates = np.datetime64("2024-05-31T23:59:00", "ns") + (time_s * 1e9).astype("timedelta64[ns]")
+    assert measured_wind(dates, speed_m_s, from_deg).wind == of_file.wind
+    assert measured_wind(time_s, speed_m_s).report.from_deg == pytest.approx(270.0)
+    gap = np.where(np.arange(200) % 50 == 7, np.nan, speed_m_s)
+    assert measured_wind(time_s, gap, from_deg).report.missing == 4
+
+
+@pytest.mark.parametrize(
+    ("time_s", "speed_m_s", "said"),
+    [
+        (range(20), [5.0] * 19, "speed_m_s: expected 20 numbers"),
+        (range(20), [-1.0] * 20, "cannot be negative"),
+        (range(20), ["calm"] * 20, "speed_m_s: expected an array of numbers"),
+        (range(4), [5.0] * 4, "only 4 samples"),
+        (np.arange(20) * 1e-6, [5.0] * 20, "more than any anemometer"),
+    ],
+)
+def test_arrays_that_are_no_series_are_refused(time_s: object, speed_m_s: object, said: str) -> None:
+    with pytest.raises(MeasurementError, match=said):
+        measured_wind(time_s, speed_m_s)  # type: ignore[arg-type]

@@ -39,12 +39,12 @@ class Measurement:
         return {"wind": self.wind.document(), "report": self.report.document()}
 
 
-def read_measurement(file: Path | bytes, *, start_s: float = 0.0) -> Measurement:
+def read_measurement(file: Path | str | bytes, *, start_s: float = 0.0) -> Measurement:
     """Read the file of an anemometer's logger: text with columns for time and wind.
 
     At most ten minutes at 10 Hz are used, from ``start_s`` after the first sample. MeasurementError.
     """
-    data = file if isinstance(file, bytes) else file.read_bytes()
+    data = file if isinstance(file, bytes) else Path(file).read_bytes()
     if len(data) > LARGEST_BYTES:
         raise MeasurementError(f"the file is larger than {LARGEST_BYTES // 1024**2} MB; split it")
     try:
@@ -53,6 +53,11 @@ def read_measurement(file: Path | bytes, *, start_s: float = 0.0) -> Measurement
         raise
     except ValueError as error:
         raise MeasurementError(str(error)) from None
+    return measurement_of(samples, start_s)
+
+
+def measurement_of(samples: Samples, start_s: float) -> Measurement:
+    """The wind of the samples from ``start_s`` after the first. MeasurementError."""
     whole, found = series_of(samples)
     if whole.interval_s > LONGEST_INTERVAL_S:
         raise MeasurementError("the samples are more than an hour apart: too far to contain gusts")
