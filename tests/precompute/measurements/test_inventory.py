@@ -108,12 +108,12 @@ FILES: dict[str, tuple[str, list[tuple[float, float, str, str, float, bool]]]] =
         [(-53.38, 0, "", "maple", 8, False), (53.38, 0, "", "maple", 9, False)],
     ),
 }  # fmt: skip
-NEEDED = "no column names were found. Needed are 'x' and 'y' (m) or 'lon' and 'lat', and 'height' (m) or 'dbh' (cm); 'species' is useful"
+NEEDED = "Needed are 'x' and 'y' (m) or 'lon' and 'lat', and 'height' (m) or 'dbh' (cm); 'species' is useful"
 REFUSED = {
     "x,y,height\n0,0,9\n3000,0,9\n": "all stems are more than 1000 m from their centre",
-    "": NEEDED,
-    "time,speed,direction\n0,3,240\n": NEEDED,
-    "x,y,species\n0,0,oak\n": NEEDED,
+    "": f"no column names were found. {NEEDED}",
+    "time,speed,direction\n0,3,240\n": f"no column names were found. {NEEDED}",
+    "x,y,species,note\n0,0,oak,\n": f"columns are missing. Recognised: 'x' as x, 'y' as y, 'species' as species; not recognised: 'note'. {NEEDED}",
     "x,y,height\n0,,3\n": "no row describes a tree (line 2: no coordinates)",
     "x,y,height\n": "no row describes a tree",
     '{"type": "FeatureCollection", ': "the file is not valid JSON",
@@ -219,7 +219,7 @@ def test_the_report_says_what_was_assumed_substituted_and_skipped() -> None:
         "Substitutes for species without a tree model: oak is shown as maple: 1.",
         "No unit of the diameters was found: cm fits them.",
         "No unit of the heights was found: m is assumed.",
-        "1 of 2 heights were missing and estimated from the diameter.",
+        "1 of 2 heights were missing and estimated from the diameter, by a general curve (fewer than 10 different trees have both).",
         "1 of 2 trees lack a height or a diameter, which decide between the open-grown and the slender form: "
         "the density of the plot decides.",
         "Skipped 7 of 9 rows: line 3: no coordinates; line 4: neither height nor diameter; line 5: a height of 400.0 m is "
@@ -244,6 +244,55 @@ def test_the_report_says_what_was_assumed_substituted_and_skipped() -> None:
 )  # fmt: skip
 def test_notes(name: str, note: str) -> None:
     assert note in read_inventory(FILES[name][0].encode()).report.notes
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["UTM-Ost;UTM-Nord;d1.3;h;BA", "X_UTM32;Y_UTM32;BHD;Hoehe;Baumart", "utm32_e;utm32_n;dbh;height;species",
+     "Rechtswert (GK3);Hochwert (GK3);BHD_cm;Höhe;Art", "E (LV95);N (LV95);dbh;height;sp", "E_EPSG 25832;N_EPSG 25832;d130;ht;spp"],
+)  # fmt: skip
+def test_columns_of_national_grids(head: str) -> None:
+    found = read_inventory(f"{head}\n500000;5400000;31;21;Fichte\n500010;5400004;28;19;Buche\n".encode())
+    assert [(stem.east_m, stem.north_m, stem.height_m) for stem in found.stems] == [(-5, -2, 21), (5, 2, 19)]
+    assert set(found.report.columns) == {"x", "y", "dbh", "height", "species"}
+
+
+def test_columns_can_be_named() -> None:
+    rows = b"Ost A;Nord A;Mass\n0;0;12\n8;6;15\n"
+    chosen = {"x": "Ost A", "y": "Nord A", "height": "Mass"}
+    assert [stem.height_m for stem in read_inventory(rows, columns=chosen).stems] == [12, 15]
+    with pytest.raises(InventoryError, match="no column 'Masse' among 'Ost A', 'Nord A', 'Mass'"):
+        read_inventory(rows, columns={**chosen, "height": "Masse"})
+    with pytest.raises(InventoryError, match="no column holds 'width': choose from x, y, lon"):
+        read_inventory(rows, columns={"width": "Mass"})
+
+
+def test_missing_heights_follow_the_curve_of_their_own_stand() -> None:
+    """Trees of two species with curves of their own, and ten without a height; a seed."""
+    seed = 21
+    print("seed", seed)
+    rng = random.Random(seed)
+
+    def height_m(species: str, dbh_m: float) -> float:
+        a, b = {"Fichte": (0.045, 0.28), "Buche": (0.06, 0.31)}[species]
+        return 1.3 + (dbh_m / (a + b * dbh_m)) ** 3
+
+    trees = [(rng.choice(("Fichte", "Buche")), rng.uniform(0.1, 0.6)) for _ in range(178)]
+    rows = [
+        f"{rng.uniform(0, 100):.2f},{rng.uniform(0, 100):.2f},{species},"
+        + (f"{height_m(species, dbh) + rng.gauss(0, 1):.3f}" if k >= 10 else "")
+        + f",{100 * dbh:.3f}"
+        for k, (species, dbh) in enumerate(trees)
+    ]
+    found = read_inventory("\n".join(["x,y,species,height,dbh", *rows]).encode())
+    for stem, (species, dbh) in zip(found.stems[:10], trees, strict=False):
+        assert stem.height_m == pytest.approx(height_m(species, dbh), abs=1.0)
+    assert {curve.species for curve in found.report.height_curves} == {"Fichte", "Buche"}
+    assert all(curve.residual_m == pytest.approx(1.0, abs=0.2) for curve in found.report.height_curves)
+    note = next(note for note in found.report.notes if "were missing" in note)
+    assert note.startswith("10 of 178 heights were missing and estimated from the diameter, by curves fitted")
+    few = read_inventory("\n".join(["x,y,species,height,dbh", *rows[:12]]).encode())
+    assert few.report.height_curves == ()
 
 
 @pytest.mark.parametrize("text", REFUSED)

@@ -26,6 +26,13 @@ def convert(
         float,
         typer.Option("--from", min=0.0, help="First second of a recording to use, from its first sample."),
     ] = 0.0,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="WHAT=NAME",
+            help="A column of an inventory that is not recognised by its name, such as x=Ost or dbh=D13.",
+        ),
+    ] = None,
     json_out: JsonOut = None,
 ) -> None:
     """Convert an inventory of stems, or an anemometer's recording, to JSON for the page and the player.
@@ -35,7 +42,7 @@ def convert(
     from galewood.measurements import Inventory, read_data_file
 
     try:
-        found = read_data_file(file.read_bytes(), start_s=start_s)
+        found = read_data_file(file.read_bytes(), start_s=start_s, columns=_chosen(columns or []))
     except ValueError as error:  # of an inventory, of a measurement, or of neither
         print_error(f"{file} could not be read.", str(error))
         raise typer.Exit(1) from None
@@ -49,6 +56,14 @@ def convert(
     write_figures(json_out, found.report.document())
     print_report(found.report.figures, found.report.notes)
     print(f"{target}: {kind}")
+
+
+def _chosen(columns: list[str]) -> dict[str, str]:
+    """Names of columns by what they hold. Raises typer.BadParameter."""
+    pairs = [one.partition("=") for one in columns]
+    if wrong := next((what for what, equals, name in pairs if not (what and equals and name)), None):
+        raise typer.BadParameter(f"expected WHAT=NAME, such as x=Ost, not {wrong!r}", param_hint="--columns")
+    return {what: name for what, _, name in pairs}
 
 
 def register(app: typer.Typer) -> None:

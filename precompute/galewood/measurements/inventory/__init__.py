@@ -1,6 +1,6 @@
 """Forests from inventories: rows of stems (CSV, GeoJSON) to trees of known species, places and heights."""
 
-from galewood.measurements.inventory.columns import is_inventory
+from galewood.measurements.inventory.columns import is_inventory, recognised_columns
 from galewood.measurements.inventory.errors import InventoryError
 from galewood.measurements.inventory.projection import local_m
 from galewood.measurements.inventory.reading import Inventory, Stem, read_inventory
@@ -16,4 +16,5 @@ __all__ = [
     "local_m",
     "match_species",
     "read_inventory",
+    "recognised_columns",
 ]

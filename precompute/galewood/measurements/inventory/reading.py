@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
@@ -11,6 +12,7 @@ from galewood.constants import INVENTORY_VERSION
 from galewood.measurements.inventory.columns import LENGTHS_M, Columns, find_header
 from galewood.measurements.inventory.errors import InventoryError
 from galewood.measurements.inventory.geojson import rows_of_geojson
+from galewood.measurements.inventory.heights import HeightCurve, assumed_height_m, fitted_curves
 from galewood.measurements.inventory.projection import local_m
 from galewood.measurements.inventory.report import (
     MOST_LISTED,
@@ -77,24 +79,28 @@ class _Raw:
     dbh_m: float
 
 
-def read_inventory(file: Path | bytes) -> Inventory:
-    """Read stems from a CSV or a GeoJSON file. InventoryError if none can be read."""
-    data = file if isinstance(file, bytes) else file.read_bytes()
+def read_inventory(file: Path | str | bytes, *, columns: Mapping[str, str] | None = None) -> Inventory:
+    """Read stems from a CSV or a GeoJSON file. InventoryError if none can be read.
+
+    ``columns``: names of columns of the file by what they hold (x, y, lon, lat, genus, species, height, dbh,
+    girth), where they are not recognised.
+    """
+    data = file if isinstance(file, bytes) else Path(file).read_bytes()
     if len(data) > LARGEST_BYTES:
         raise InventoryError(f"the file is larger than {LARGEST_BYTES // 1024**2} MB")
     text = decoded(data)
     if text.lstrip().startswith("{"):
-        return _inventory(rows_of_geojson(text), "feature")
+        return _inventory(rows_of_geojson(text), "feature", columns or {})
     try:
-        return _inventory(list(rows_of(text)), "line")
+        return _inventory(list(rows_of(text)), "line", columns or {})
     except InventoryError:
         raise
     except ValueError as error:
         raise InventoryError(str(error)) from None
 
 
-def _inventory(rows: list[Row], counted: str) -> Inventory:
-    columns, first = find_header(rows)
+def _inventory(rows: list[Row], counted: str, chosen: Mapping[str, str]) -> Inventory:
+    columns, first = find_header(rows, chosen)
     units = _units(columns, rows[first:])
     raws: list[_Raw] = []
     skipped: list[Skipped] = []
@@ -214,17 +220,18 @@ def _placed(raws: list[_Raw], geographic: bool) -> tuple[list[_Raw], list[Skippe
     return placed, skipped
 
 
-def estimated_height_m(dbh_m: float) -> float:
-    """Height of a tree of this diameter: 1.3 m + 30 m (1 − exp(−d / 0.28 m)); assumed, for closed stands."""
-    return 1.3 + 30.0 * (1.0 - math.exp(-dbh_m / 0.28))
-
-
-def _stem(raw: _Raw, per_ha: float) -> Stem:
+def _stem(raw: _Raw, per_ha: float, curves: Mapping[str, HeightCurve]) -> Stem:
     formless = _is_formless(raw)
-    height_m = estimated_height_m(raw.dbh_m) if math.isnan(raw.height_m) else raw.height_m
+    height_m = _estimated_m(raw, curves) if math.isnan(raw.height_m) else raw.height_m
     slender = per_ha > DENSE_PER_HA if formless else height_m / raw.dbh_m > SLENDER_HEIGHT_PER_DIAMETER
     builtin = match_species(raw.species, height_m).builtin
     return Stem(raw.line, raw.x, raw.y, raw.species, builtin, height_m, slender)
+
+
+def _estimated_m(raw: _Raw, curves: Mapping[str, HeightCurve]) -> float:
+    """The height by the curve of the species, else of the stand, else by the assumed one."""
+    curve = curves.get(raw.species) or curves.get("")
+    return min(curve.height_m(raw.dbh_m) if curve else assumed_height_m(raw.dbh_m), HIGHEST_M)
 
 
 def _is_formless(raw: _Raw) -> bool:
@@ -243,7 +250,9 @@ def _reported(
     east, north = [raw.x for raw in placed], [raw.y for raw in placed]
     width_m, depth_m = max(east) - min(east), max(north) - min(north)
     per_ha = len(placed) / (max(width_m * depth_m, 100.0) / 10_000.0)
-    stems = tuple(_stem(raw, per_ha) for raw in placed)
+    curves = fitted_curves((one.species, one.dbh_m, one.height_m) for one in placed if not _is_formless(one))
+    stems = tuple(_stem(raw, per_ha, curves) for raw in placed)
+    estimated = [raw.species for raw in placed if math.isnan(raw.height_m)]
     meanings = {
         what: f"{name}: {unit}" if (unit := units.get("x" if what == "y" else what)) else name
         for what, name in columns.names.items()
@@ -260,7 +269,12 @@ def _reported(
         lowest_m=min(stem.height_m for stem in stems),
         highest_m=max(stem.height_m for stem in stems),
         per_ha=per_ha,
-        estimated_heights=sum(math.isnan(raw.height_m) for raw in placed),
+        estimated_heights=len(estimated),
+        height_curves=tuple(
+            curve
+            for name, curve in curves.items()
+            if any((one if one in curves else "") == name for one in estimated)
+        ),
         figures={},
         notes=(),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 from galewood.measurements.inventory.columns import Columns
+from galewood.measurements.inventory.heights import FEWEST_PAIRS, HeightCurve
 from galewood.measurements.inventory.species import match_species
 
 MOST_LISTED = 20
@@ -51,6 +52,8 @@ class InventoryReport:
     highest_m: float
     per_ha: float
     estimated_heights: int
+    height_curves: tuple[HeightCurve, ...]
+    """Those that missing heights were estimated with, fitted to the file's own pairs."""
     figures: dict[str, str]
     """The main numbers as text, by their names."""
     notes: tuple[str, ...]
@@ -90,7 +93,7 @@ def notes_of(
     if report.estimated_heights:
         notes.append(
             f"{report.estimated_heights} of {report.stems} heights were missing and estimated from the "
-            "diameter."
+            f"diameter, {_estimated_by(report.height_curves)}."
         )
     if formless:
         notes.append(
@@ -103,6 +106,16 @@ def notes_of(
         first = [f"{counted} {one.line}: {one.reason}" for one in report.first_skipped]
         notes.append(f"Skipped {report.skipped} of {report.rows} rows: {_listed(first, report.skipped)}.")
     return tuple(notes)
+
+
+def _estimated_by(curves: tuple[HeightCurve, ...]) -> str:
+    if not curves:
+        return f"by a general curve (fewer than {FEWEST_PAIRS} different trees have both)"
+    shown = [
+        f"{curve.species or 'all species'} {curve.pairs} pairs, residual {curve.residual_m:.1f} m"
+        for curve in curves[:MOST_LISTED]
+    ]
+    return f"by curves fitted to the measured ones: {_listed(shown, len(curves))}"
 
 
 def _listed(first: list[str], count: int) -> str:

@@ -159,6 +159,14 @@ export interface Schemas {
     jobs_active: number;
     sockets: number;
   };
+  /** Petterson's curve h = 1.3 m + (d / (a + b d))³, fitted to measured pairs. */
+  HeightCurve: {
+    species: string;
+    a_per_m: number;
+    b: number;
+    pairs: number;
+    residual_m: number;
+  };
   /** The stems of an inventory (spec/formats/inventory.md), and how its file was interpreted. */
   InventoryOut: {
     version: 1;
@@ -179,6 +187,7 @@ export interface Schemas {
     highest_m: number;
     per_ha: number;
     estimated_heights: number;
+    height_curves: Schemas["HeightCurve"][];
     figures: Record<string, string>;
     notes: string[];
   };
