@@ -53,7 +53,7 @@ class Settings(BaseSettings):
     garbage_collection_s: float = Field(default=60.0, gt=0)
     job_attempts: int = Field(default=3, ge=1, le=20)
     job_stall_s: float = Field(default=1800.0, gt=0)
-    compile_kernels: bool = True
+    prepare: bool = True
     job_module: str = "galewood_server.jobs.job_process"
     cluster_idle_s: float = Field(default=30.0, ge=0)
 

@@ -15,7 +15,7 @@ log = logging.getLogger("galewood")
 
 async def compile_kernels(settings: Settings) -> None:
     """Compile the kernels in a child process, unless they are compiled. A build that starts then waits."""
-    if not settings.compile_kernels or await asyncio.to_thread(kernels_compiled):
+    if not settings.prepare or await asyncio.to_thread(kernels_compiled):
         return
     log.info("compiling the numeric kernels, once on this machine; builds wait for them")
     process = await start_module(

@@ -124,7 +124,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
 async def _prepare(settings: Settings, importer: LimitedImporter | None) -> None:
     """Compile the kernels, if they are not, and load what the first upload needs."""
     await compile_kernels(settings)
-    if importer:
+    if importer and settings.prepare:
         await asyncio.to_thread(importer.prepare)
 
 

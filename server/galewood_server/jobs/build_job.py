@@ -123,7 +123,7 @@ class RunningBuild:
 
     def run(self, build: Build) -> None:
         """Compute and store the table and its records."""
-        if self._settings.compile_kernels and not kernels_compiled():
+        if self._settings.prepare and not kernels_compiled():
             self._compile_kernels()
         if self._transfer:
             self._transfer.fetch_tetrahedra(self._settings.cache_dir / "tets")

@@ -90,7 +90,7 @@ def test_an_import_has_ended_when_a_stopped_server_ends(
 def test_a_first_start_compiles_the_kernels_until_the_server_stops(
     start_server: Callable[..., Server], tmp_path: Path
 ) -> None:
-    cache = {"GALEWOOD_COMPILE_KERNELS": "true", "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
+    cache = {"GALEWOOD_PREPARE": "true", "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
     server = start_server(**cache, **NO_CLUSTER)
     wait_until(
         lambda: any(

@@ -84,7 +84,7 @@ def test_a_build_with_its_table_goes_back_to_the_queue_when_a_tree_waits(
     for name in ("lower_priority", "load_early"):  # of the process of a job
         monkeypatch.setattr(build_job, name, lambda: None)
     monkeypatch.setattr(build_job, "YIELD_S", -1.0)
-    settings, done = Settings(data_dir=tmp_path, compile_kernels=False), list[str]()
+    settings, done = Settings(data_dir=tmp_path, prepare=False), list[str]()
 
     def compute(*given: Any) -> BuildResult:
         """A build during whose stage "records" another tree is uploaded, the first time."""

@@ -26,7 +26,7 @@ async def application(
     settings: dict[str, Any] = {
         "data_dir": folder,
         "builtin_trees": False,
-        "compile_kernels": False,
+        "prepare": False,
         "scheduler_url": "tcp://127.0.0.1:9",
         "job_module": FAKE_JOB,
         **given,

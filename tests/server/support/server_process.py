@@ -96,7 +96,7 @@ class Server:
             "GALEWOOD_WORKERS": "1",
             "GALEWOOD_BUILTIN_TREES": "false",
             "GALEWOOD_CLUSTER_IDLE_S": "1000",
-            "GALEWOOD_COMPILE_KERNELS": "false",
+            "GALEWOOD_PREPARE": "false",
             **shared_services(self.data_dir),
             **self.environment,
         }
