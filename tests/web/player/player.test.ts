@@ -55,6 +55,13 @@ beforeAll(async () => {
   core = await import(/* @vite-ignore */ `${DIST}core.js`);
 }, 120_000);
 
+test("every entry point but the workers can be imported where there is no DOM, as on a server", async () => {
+  for (const [name, entry] of Object.entries(manifest().exports)) {
+    if (typeof entry === "string" || name.endsWith("worker")) continue;
+    await import(/* @vite-ignore */ `${PLAYER}${entry.default}`);
+  }
+});
+
 const scripts = () => readdirSync(DIST).filter((name) => name.endsWith(".js"));
 /** What a built file imports, at once or later. */
 const importsOf = (name: string) =>

@@ -17,7 +17,10 @@ function windOf(text: string | null): WindDocument {
   return Object.hasOwn(PRESETS, name) ? PRESETS[name as keyof typeof PRESETS] : parseWindText(name);
 }
 
-export class GalewoodForest extends HTMLElement {
+/** Where pages are rendered on a server there are no elements: the module can be imported, and defines none. */
+const Base = typeof HTMLElement === "undefined" ? (class {} as typeof HTMLElement) : HTMLElement;
+
+export class GalewoodForest extends Base {
   static readonly observedAttributes = ["wind"];
   /** The forest; null while the element is in no document. */
   forest: Forest | null = null;
@@ -72,4 +75,5 @@ export class GalewoodForest extends HTMLElement {
   }
 }
 
-if (!customElements.get("galewood-forest")) customElements.define("galewood-forest", GalewoodForest);
+if (typeof customElements !== "undefined" && !customElements.get("galewood-forest"))
+  customElements.define("galewood-forest", GalewoodForest);

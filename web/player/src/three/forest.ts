@@ -11,6 +11,7 @@ import {
   type WebGLRenderer,
 } from "three";
 import type { Point, Wind } from "../core/forest/givenWind";
+import { fileBytes } from "../core/net/fileBytes";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import { disposeModel, readPlainTree, type TreeModel } from "../trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "../trees/speciesForest";
@@ -59,12 +60,8 @@ const MAX_TEXTURE_SIDE = 4096;
 const absolute = (from: string | URL | ArrayBuffer) =>
   from instanceof ArrayBuffer ? from : new URL(from, document.baseURI).href;
 
-async function bytesOf(from: string | URL | ArrayBuffer): Promise<ArrayBuffer> {
-  if (from instanceof ArrayBuffer) return from;
-  const response = await fetch(from);
-  if (!response.ok) throw new Error(`${from}: the server responded with status ${response.status}`);
-  return response.arrayBuffer();
-}
+const bytesOf = async (from: string | URL | ArrayBuffer) =>
+  from instanceof ArrayBuffer ? from : fileBytes(`${from}`, fetch(from));
 
 /** Checks that a table was made for a mesh. */
 function checkFit({ motion, model }: Loaded): void {
@@ -186,11 +183,12 @@ export class Forest extends Group {
 
   /**
    * Plants a tree at each matrix, which places the tree's frame (metres, y up, origin at the foot) in that of the forest.
-   * Rejects if a file cannot be read or the two do not belong together.
+   * Rejects if a file cannot be read or the two do not belong together, with an AbortError if the forest is disposed of
+   * meanwhile.
    */
   async plant(files: TreeFiles, places: readonly Matrix4[]): Promise<Planted> {
     const { table, motion, model } = await this.load(files);
-    if (this.disposed) throw new Error("the forest was disposed of");
+    if (this.disposed) throw new DOMException("the forest was disposed of", "AbortError");
     const matrices = places.map((matrix) => matrix.clone());
     this.updateWorldMatrix(true, false);
     const trees = new SpeciesForest(model, motion, instancesOf(matrices), this.species);

@@ -13,6 +13,8 @@ const whole = new Matrix4();
 const inverse = new Matrix4();
 
 function decompose(matrix: Matrix4, k: number): void {
+  if (!matrix.elements.every(Number.isFinite))
+    throw new RangeError(`matrix ${k} has an element that is not a finite number`);
   matrix.decompose(spot, turn, size);
   if (!(matrix.determinant() > 0))
     throw new RangeError(`matrix ${k} mirrors the tree or has no size: use positive scales`);

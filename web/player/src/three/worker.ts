@@ -43,7 +43,8 @@ export class WorkerClient {
   private busy = false;
   private backlog_s = 0;
   private fresh = false;
-  private broken: string | null = null;
+  /** Why the worker no longer runs. */
+  private ended: Error | null = null;
 
   constructor(private readonly worker: Worker) {
     worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
@@ -51,10 +52,14 @@ export class WorkerClient {
   }
 
   private fail(reason: string): void {
-    this.broken = `The forest worker is not running: ${reason}`;
-    for (const { reject } of this.waiting.values()) reject(new Error(this.broken));
+    this.end(new Error(`The forest worker is not running: ${reason}`));
+  }
+
+  private end(error: Error): void {
+    this.ended = error;
+    for (const { reject } of this.waiting.values()) reject(error);
     this.waiting.clear();
-    this.failed(this.broken);
+    this.failed(error.message);
   }
 
   private send(message: ToWorker, transfer: Transferable[] = []): void {
@@ -64,7 +69,7 @@ export class WorkerClient {
   /** Loads a table; returns its number and what drawing needs of it. */
   load(from: string | ArrayBuffer): Promise<{ table: number; motion: DrawnMotion }> {
     const table = this.tables++;
-    if (this.broken) return Promise.reject(new Error(this.broken));
+    if (this.ended) return Promise.reject(this.ended);
     return new Promise((resolve, reject) => {
       this.waiting.set(table, { resolve: (motion) => resolve({ table, motion }), reject });
       this.send({ kind: "load", table, from });
@@ -104,7 +109,7 @@ export class WorkerClient {
   /** Advances by a display step. While the worker is busy, the time accumulates. */
   advance(dt_s: number, viewer: readonly [number, number], blow: Blow | null): void {
     this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
-    if (this.busy || this.groups.size === 0 || this.broken) return;
+    if (this.busy || this.groups.size === 0 || this.ended) return;
     this.busy = true;
     const frames: GroupFrame[] = [];
     for (const [group, { spare, velocity }] of this.groups) {
@@ -151,6 +156,6 @@ export class WorkerClient {
 
   dispose(): void {
     this.worker.terminate();
-    this.fail("it was disposed of");
+    this.end(new DOMException("the forest was disposed of", "AbortError"));
   }
 }

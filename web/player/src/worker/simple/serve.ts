@@ -1,5 +1,6 @@
 /** Answers the messages of a forest, whoever computes its poses. */
 
+import { fileBytes } from "../../core/net/fileBytes";
 import { drawnBuffers } from "../../core/table/drawnMotion";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import type { WindDocument } from "../../core/wind/document";
@@ -17,16 +18,10 @@ export interface PoseMaker {
 
 type Post = (message: FromWorker, transfer: Transferable[]) => void;
 
-async function bytesFrom(from: string | ArrayBuffer): Promise<ArrayBuffer> {
-  if (typeof from !== "string") return from;
-  const response = await fetch(from);
-  if (!response.ok) throw new Error(`${from}: the server responded with status ${response.status}`);
-  return response.arrayBuffer();
-}
-
 async function load(maker: PoseMaker, table: number, from: string | ArrayBuffer, post: Post): Promise<void> {
   try {
-    const motion = maker.read(table, await bytesFrom(from), `${from}`);
+    const bytes = typeof from === "string" ? await fileBytes(from, fetch(from)) : from;
+    const motion = maker.read(table, bytes, `${from}`);
     post({ kind: "table", table, motion }, drawnBuffers(motion));
   } catch (error) {
     post({ kind: "failed", table, fault: error instanceof Error ? error.message : `${error}` }, []);

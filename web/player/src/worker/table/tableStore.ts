@@ -1,14 +1,11 @@
 /** The tables and records that this worker has fetched, by the hash of the table. */
 
+import { fileBytes } from "../../core/net/fileBytes";
 import { type Compliance, decodeCompliance } from "../../core/pull/compliance";
 import { type Records, recordsOf } from "../../core/table/records";
 import { decodeTable, type Table } from "../../core/table/table";
 
-async function fetchBytes(url: string): Promise<ArrayBuffer> {
-  const response = await fetch(url);
-  if (!response.ok) throw new Error(`the server responded with status ${response.status}`);
-  return response.arrayBuffer();
-}
+const fetchBytes = (url: string) => fileBytes(url, fetch(url));
 
 export class TableStore {
   private readonly tables = new Map<string, { readonly table: Table; readonly bytes: number }>();
