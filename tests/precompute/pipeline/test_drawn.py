@@ -23,7 +23,12 @@ MARGIN = 1.5
 """A tree is not stretched much more in other poses than in those in which it was checked."""
 
 
-@pytest.mark.parametrize("name", TORN_TREES)
+SLOW_TREES = ("twigs",)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in SLOW_TREES else ()) for name in TORN_TREES]
+)
 def test_the_first_table_states_its_stretch_and_is_published_only_if_it_does_not_tear(name: str) -> None:
     tree = TORN_TREES[name]()
     table, distortion = beam_table(tree, BuildOptions(), b""), Distortion(tree)

@@ -49,7 +49,7 @@ def upload(
 def built(api: httpx.Client, data: bytes) -> dict[str, Any]:
     tree = upload(api, data, path="/api/trees?build=true").json()
     path = f"/api/trees/{tree['id']}"
-    return wait_until(lambda: (now := api.get(path).json())["state"] == "ready" and now, 120)
+    return wait_until(lambda: (now := api.get(path).json())["state"] == "ready" and now)
 
 
 def test_the_same_file_gives_the_same_tree(api: httpx.Client) -> None:
@@ -83,7 +83,7 @@ def test_import_options_can_be_changed_until_there_is_a_table(api: httpx.Client)
     twin = upload(api, b"assumed", species="maple")
     assert twin.status_code == 201 and twin.json()["id"] != tree["id"]
     api.post("/api/jobs", json={"tree_id": tree["id"]})
-    wait_until(lambda: api.get(path).json()["state"] == "ready", 120)
+    wait_until(lambda: api.get(path).json()["state"] == "ready")
     refused = api.patch(path, json={"height_m": 8})
     assert (refused.status_code, refused.json()["code"]) == (409, "already-built")
     assert api.patch(path, json={"name": "Still mine"}).json()["name"] == "Still mine"
@@ -175,10 +175,10 @@ def test_malformed_origins_are_foreign(api: httpx.Client, origin: str) -> None:
 def test_jobs_are_listed_newest_first_and_can_be_retried(api: httpx.Client) -> None:
     tree = upload(api, b"fails", "fail.obj").json()
     job = api.post("/api/jobs", json={"tree_id": tree["id"], "settings": {"height_m": 6}}).json()
-    wait_until(lambda: api.get(f"/api/jobs/{job['id']}").json()["state"] == "failed", 120)
+    wait_until(lambda: api.get(f"/api/jobs/{job['id']}").json()["state"] == "failed")
     again = api.post(f"/api/jobs/{job['id']}/retry")
     assert again.status_code == 202 and again.json()["id"] != job["id"]
-    wait_until(lambda: api.get(f"/api/jobs/{again.json()['id']}").json()["state"] == "failed", 120)
+    wait_until(lambda: api.get(f"/api/jobs/{again.json()['id']}").json()["state"] == "failed")
     listed = api.get("/api/jobs", params={"tree_id": tree["id"], "limit": 1}).json()
     assert listed["total"] == 2 and [one["id"] for one in listed["jobs"]] == [again.json()["id"]]
     rest = api.get("/api/jobs", params={"tree_id": tree["id"], "after": listed["next"]}).json()
@@ -200,7 +200,7 @@ def test_an_existing_table_is_not_computed_again(api: httpx.Client) -> None:
 
 def test_lists_and_trees_have_etags(api: httpx.Client) -> None:
     tree = upload(api, b"tagged").json()
-    wait_until(lambda: not _unfinished(api), 60)  # jobs of other tests, which change the lists
+    wait_until(lambda: not _unfinished(api))  # jobs of other tests, which change the lists
     for path in ("/api/trees", f"/api/trees/{tree['id']}", "/api/jobs", "/api/tables", "/api/species"):
         whole = api.get(path)
         tag = whole.headers["etag"]
@@ -224,7 +224,7 @@ def test_compressed_tables_have_their_own_etag(api: httpx.Client, server: Server
     tags: set[str] = set()
     for name in ("identity", "gzip", "zstd"):
         # the first request does not wait for the compression
-        wait_until(lambda name=name: _coding(api, path, name) == name, 60)
+        wait_until(lambda name=name: _coding(api, path, name) == name)
         with api.stream("GET", path, headers={"Accept-Encoding": name}) as answer:
             raw[name] = b"".join(answer.iter_raw())
             assert answer.headers.get("content-encoding", "identity") == name
@@ -259,7 +259,7 @@ def test_compressed_tables_have_their_own_etag(api: httpx.Client, server: Server
 def test_the_etag_of_the_plain_bytes_matches_after_compression(api: httpx.Client) -> None:
     path = f"/api/tables/{built(api, b'held plain')['table_sha256']}"
     plain = api.get(path, headers={"Accept-Encoding": "identity"}).headers["etag"]
-    wait_until(lambda: _coding(api, path, "gzip") == "gzip", 60)
+    wait_until(lambda: _coding(api, path, "gzip") == "gzip")
     assert api.get(path, headers={"Accept-Encoding": "gzip", "If-None-Match": plain}).status_code == 304
 
 

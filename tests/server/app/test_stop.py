@@ -68,7 +68,7 @@ def importing(server: Server) -> socket.socket:
     body = '--x\r\nContent-Disposition: form-data; name="file"; filename="a.obj"\r\n\r\nv 0\r\n--x--\r\n'
     head = UPLOAD.partition("\r\n\r\n")[0].replace("100000", str(len(body)))
     upload = asked(server, f"{head}\r\n\r\n{body}")
-    wait_until(lambda: any((server.data_dir / "tmp").rglob("in.npz")), 120)
+    wait_until(lambda: any((server.data_dir / "tmp").rglob("in.npz")))
     wait_until(lambda: any("galewood.sandbox.child" in command_line(one) for one in server.family()))
     return upload
 
@@ -110,7 +110,7 @@ def test_an_import_ends_with_a_killed_server_and_its_folder_with_the_next_start(
     folders = server.data_dir / "tmp"
     upload = importing(server)
     server.kill()
-    wait_until(lambda: not server.descendants(), 120)
+    wait_until(lambda: not server.descendants())
     assert any(folders.rglob("in.npz")), "what the killed server could not remove"
     start_server("tests.server.support.hanging_server", **NO_CLUSTER)
     assert not any(folders.rglob("in.npz"))
@@ -138,7 +138,7 @@ def test_a_server_stopped_at_random_moments_leaves_no_process(tmp_path: Path) ->
         time.sleep(dice.uniform(0.0, 4.0))  # no condition: a random moment
         server.stop(how)
         if early or how == signal.SIGKILL:  # nobody waits for its children
-            wait_until(lambda server=server: not server.descendants(), 120)
+            wait_until(lambda server=server: not server.descendants())
         assert not server.descendants(), (number, how)
         # Ctrl-C while Python loads modules has a traceback, as in any program
         assert early or "Traceback" not in server.log(), server.log()

@@ -91,6 +91,7 @@ def cancel(server: Server, api: httpx.Client, job: dict[str, Any]) -> None:
     assert len(trajectories(server)) < 36  # the build has not finished
 
 
+@pytest.mark.long
 @pytest.mark.timeout(1800)
 def test_a_build_survives_a_cancel_and_worker_cluster_and_server_crashes(
     server: Server, api: httpx.Client

@@ -58,7 +58,7 @@ def test_jobs_resume_after_a_restart(start_server: StartServer) -> None:
         family = server.family()
         assert family
         server.kill()
-    wait_until(lambda: gone(family), 10)
+    wait_until(lambda: gone(family))
     again = start_server(FAKE_STEP_S="0.02", **NO_CLUSTER)
     with again.client() as api:
         after = api.get("/api/trees").json()["trees"]
@@ -155,7 +155,7 @@ def test_a_job_resumes_in_stage_records_after_a_crash(start_server: StartServer)
         tree = api.get(f"/api/trees/{job['tree_id']}").json()
         family = server.family()
         server.kill()
-    wait_until(lambda: gone(family), 10)
+    wait_until(lambda: gone(family))
     held.unlink()
     again = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
     with again.client() as api:

@@ -150,7 +150,7 @@ def pair(tmp_path: Path) -> Iterator[Pair]:
 
 def all_done(api: httpx.Client, jobs: list[dict[str, Any]]) -> None:
     for job in jobs:
-        wait_until(lambda job=job: state(api, job) == "done", 60)
+        wait_until(lambda job=job: state(api, job) == "done")
 
 
 def test_each_job_has_one_server_and_both_servers_work(pair: Pair) -> None:

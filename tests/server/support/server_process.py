@@ -38,7 +38,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def wait_until(holds: Callable[[], Any], timeout_s: float = 30.0, every_s: float = 0.05) -> Any:
+def wait_until(holds: Callable[[], Any], timeout_s: float = 120.0, every_s: float = 0.05) -> Any:
     end_s = time.monotonic() + timeout_s
     while time.monotonic() < end_s:
         value = holds()
@@ -164,7 +164,7 @@ class Server:
         self.stop(signal.SIGKILL)
 
     def client(self) -> httpx.Client:
-        return httpx.Client(base_url=self.url, timeout=60)
+        return httpx.Client(base_url=self.url, timeout=240)
 
 
 def command_line(process: psutil.Process) -> list[str]:

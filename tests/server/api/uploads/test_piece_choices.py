@@ -13,7 +13,8 @@ from tests.server.support.server_process import NO_CLUSTER, Server
 
 @pytest.fixture(scope="module")
 def api(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
-    server = Server(tmp_path_factory.mktemp("pieces"), "galewood_server.cli.main", NO_CLUSTER).start("serve")
+    environment = {**NO_CLUSTER, "GALEWOOD_PREPARE": "true"}  # many imports: loading the readers once pays
+    server = Server(tmp_path_factory.mktemp("pieces"), "galewood_server.cli.main", environment).start("serve")
     with server.client() as client:
         yield client
     server.stop()

@@ -75,7 +75,7 @@ def test_untrusted_uploads_are_answered_and_rejected_ones_leave_no_file(
     meshes = {tree["mesh_sha256"] for tree in accepted}
     assert len(kept(server) - files) == len(accepted) + 2 * len(meshes)  # with a first table for each
     assert not [name for name in kept(server) if "cron" in name or "passwd" in name]
-    after = wait_until(lambda: _settled(server, before), 10)
+    after = wait_until(lambda: _settled(server, before))
     assert after["bytes"] - before["bytes"] < 150 * MEGABYTE
 
 
@@ -137,7 +137,7 @@ def test_an_oversized_upload_is_aborted(server: Server, api: httpx.Client) -> No
         assert answer.status_code == 413 and answer.json()["code"] == "upload-too-large"
     except httpx.TransportError:
         pass  # the server closed the connection
-    after = wait_until(lambda: _settled(server, before), 10)
+    after = wait_until(lambda: _settled(server, before))
     assert after["bytes"] - before["bytes"] < 100 * MEGABYTE
     assert kept(server) == files
 
