@@ -67,4 +67,6 @@ def _farthest(basis: Floats) -> Floats:
 
 
 def _sway_m(basis: Floats, q: Floats) -> float:
-    return float(np.linalg.norm(np.einsum("nik,tk->tni", basis, q), axis=2).max())
+    squared = np.square(q @ basis.reshape(-1, basis.shape[2]).T).reshape(len(q), -1, 3)
+    # a sum over the last axis of length 3 would take several times as long
+    return float(np.sqrt((squared[..., 0] + squared[..., 1] + squared[..., 2]).max()))

@@ -167,8 +167,9 @@ def sample_trajectory(
         on_progress(i / frames)
         v[i] = body.v[points]
         body.step(pressure + local_pa[i].T if len(places) else pressure)
-        force[i] = body.recorded_force(points)
-        stiffness[i] = symmetric(body.recorded_stiffness(points))
+        if len(points):
+            force[i] = body.recorded_force(points)
+            stiffness[i] = symmetric(body.recorded_stiffness(points))
         u[i + 1] = body.u
     recorded = Trajectory(u, wind.pressure_pa.astype(np.float32), wind.gusts.array, v, force, stiffness)
     return fade(recorded, wind.fade_frames, u[:-1, points], dt_s)

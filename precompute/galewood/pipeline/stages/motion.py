@@ -31,6 +31,7 @@ from galewood.pipeline.tables import (
 )
 from galewood.solid.fem import FemModel, Simulator
 from galewood.solid.model import unloaded_model
+from galewood.solid.skinning import QUICK_SMOOTHING, THOROUGH_SMOOTHING
 from galewood.table import Records
 
 
@@ -45,10 +46,11 @@ class ModelledTree:
     options: BuildOptions
 
     def table(self, stage: TableStage) -> DefaultPart:
-        """Fit a table to the runs of its stage."""
+        """Fit a table to the runs of its stage; the weights of one that is replaced soon are smoothed less."""
         samples = stage.samples(self.samples)
         training = self.model.training(samples.default_runs(), self.options.modes)
-        part = assemble_default(training, self._context())
+        effort = THOROUGH_SMOOTHING if stage is TableStage.COMPLETE else QUICK_SMOOTHING
+        part = assemble_default(training, self._context(), effort)
         stage.mark(part.table)
         part.table.metadata["provenance"].update(_winds(samples.default))
         return part

@@ -84,7 +84,9 @@ def assemble_linear(
     return _drawn_table(motion, {}, of, QUICK_SMOOTHING)
 
 
-def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
+def assemble_default(
+    training: ModalTraining, of: TableContext, effort: Effort = THOROUGH_SMOOTHING
+) -> DefaultPart:
     """The table of the default method, fitted to the training runs."""
     model = fitted(training, of.mass_kg)
     subspace = model.subspace
@@ -96,7 +98,7 @@ def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
     q = [subspace.project(run.displacement_m) for run in training.runs]
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
     motion = ModalMotion(model.modal, subspace, q, winds_pa)
-    return DefaultPart(_drawn_table(motion, errors, of, THOROUGH_SMOOTHING), subspace)
+    return DefaultPart(_drawn_table(motion, errors, of, effort), subspace)
 
 
 def assemble_records(
@@ -222,9 +224,19 @@ def _skin(basis: Floats, q_rms: Floats, strong: Floats, of: TableContext) -> Ski
 
 
 def _reach_m(basis: Array, q: Floats) -> float:
-    """Largest displacement of any node (n, 3, r) under the motion q (T, r), m."""
-    squared = (np.square(q @ node.T) for node in basis.astype(np.float64))
-    return float(np.sqrt(max((x[:, 0] + x[:, 1] + x[:, 2]).max() for x in squared)))
+    """Largest displacement of any node (n, 3, r) under the motion q (T, r), m.
+
+    A node moves at most by the norm of its basis times that of q: most nodes cannot be the farthest.
+    """
+    nodes = basis.astype(np.float64)
+    most = np.linalg.norm(nodes, 2, axis=(1, 2)) * float(np.linalg.norm(q, axis=1).max(initial=0.0))
+    farthest_m = 0.0
+    for k in np.argsort(-most, kind="stable"):
+        if most[k] <= farthest_m:
+            break
+        squared = np.square(q @ nodes[k].T)
+        farthest_m = max(farthest_m, float(np.sqrt((squared[:, 0] + squared[:, 1] + squared[:, 2]).max())))
+    return farthest_m
 
 
 def internal_states(runs: Sequence[SampledRun]) -> InternalStates:

@@ -186,7 +186,7 @@ class Simulator:
             first = first or size
             if size <= self.model.settings.tolerance * first:
                 break
-            self._add_drag_damping(drag.damping, d)
+            self._system.add_to_diagonal(drag.damping, d)
             self._system.solver.factorise(self._system.values)
             v = v + self._solved(residual)
         return v
@@ -204,7 +204,7 @@ class Simulator:
         """
         self._assemble(pose, self._u - pose + (d + self.model.beta) * self._velocity, d)
         drag = self._drag.at(self._velocity, self._pressure_pa)
-        self._add_drag_damping(drag.damping, d)
+        self._system.add_to_diagonal(drag.damping, d)
         self._system.solver.factorise(self._system.values)
         residual = d * (
             self._gravity
@@ -214,10 +214,6 @@ class Simulator:
         )
         residual[self._system.free :] = 0
         return residual, drag.damping
-
-    def _add_drag_damping(self, damping: Floats, d: float) -> None:
-        free = self._system.free
-        self._system.values[self._system.diagonal[:free]] += d * damping[:free]
 
     def _assemble(self, u: Floats, w: Floats, d: float) -> None:
         """Assemble A = M + d C + d² K at u (not factorised) and the force there."""
@@ -243,7 +239,7 @@ class Simulator:
                 return accepted
             if size <= self.model.settings.tolerance * first:
                 break
-            self._add_drag_damping(drag.damping, d)
+            self._system.add_to_diagonal(drag.damping, d)
             self._system.solver.factorise(self._system.values)
             accepted = v
             v = v + self._solved(residual)
@@ -267,4 +263,5 @@ class Simulator:
 
 def _response(damping: Floats, velocity: Floats) -> Floats:
     """Force, N, of 3×3 damping blocks (N,9), N·s/m, at the velocities (N,3), m/s."""
-    return np.einsum("nij,nj->ni", damping.reshape(-1, 3, 3), velocity)
+    columns = damping.reshape(-1, 3, 3).transpose(2, 0, 1)
+    return columns[0] * velocity[:, :1] + columns[1] * velocity[:, 1:2] + columns[2] * velocity[:, 2:]

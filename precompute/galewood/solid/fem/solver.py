@@ -70,6 +70,10 @@ class BlockCholesky:
         """Solve in place; b (≥ n, 3) in elimination order, rows beyond n are unchanged."""
         _solve(self.pointer, self.rows, self._values, self._inverse, b)
 
+    def solve_all(self, b: Floats) -> None:
+        """Solve in place for several right-hand sides (≥ n, 3, L)."""
+        _solve_all(self.pointer, self.rows, self._values, self._inverse, b)
+
     def to_scipy(self, values: Floats) -> csc_matrix:
         """The full symmetric matrix (3n × 3n) of assembled `values` that have not been factorised."""
         i, j = (3 * self.rows.astype(np.int64), 3 * self._columns)
@@ -100,18 +104,43 @@ def _factor_pattern(n: int, pairs: Int32s) -> tuple[Int32s, Int32s]:
     low, high = pairs.min(axis=1), pairs.max(axis=1)
     sorter = np.argsort(low, kind="stable")
     bounds = np.searchsorted(low[sorter], np.arange(n + 1))
-    high = high[sorter]
-    inherited: list[list[Int32s]] = [[] for _ in range(n)]
-    columns: list[Int32s] = []
+    return _merged_columns(bounds, high[sorter].astype(np.int32))
+
+
+@numba.njit(**JIT)
+def _merged_columns(bounds: Int32s, high: Int32s) -> tuple[Int32s, Int32s]:
+    """Pointer (n + 1,) and rows, ascending in each column; column k has the edges bounds[k] … bounds[k + 1]."""
+    n = len(bounds) - 1
+    pointer, rows = np.zeros(n + 1, np.int32), np.empty(n + 4 * len(high), np.int32)
+    child, sibling, seen = np.full(n, -1), np.full(n, -1), np.full(n, -1)
     for k in range(n):
-        below = np.unique(np.concatenate([high[bounds[k] : bounds[k + 1]], *inherited[k]]))
-        below = below[below > k].astype(np.int32)
-        inherited[k] = []
-        if len(below):
-            inherited[int(below[0])].append(below)
-        columns.append(np.concatenate([np.array([k], np.int32), below]))
-    pointer = np.concatenate([[0], np.cumsum([len(c) for c in columns])]).astype(np.int32)
-    return pointer, np.concatenate(columns)
+        end = pointer[k]
+        if end + n > len(rows):
+            rows = np.concatenate((rows, np.empty(len(rows) + n, np.int32)))
+        rows[end] = k
+        end += 1
+        seen[k] = k
+        for r in high[bounds[k] : bounds[k + 1]]:
+            if seen[r] != k:
+                seen[r] = k
+                rows[end] = r
+                end += 1
+        below = child[k]
+        while below >= 0:
+            for q in range(pointer[below] + 2, pointer[below + 1]):  # the first two are itself and k
+                r = rows[q]
+                if seen[r] != k:
+                    seen[r] = k
+                    rows[end] = r
+                    end += 1
+            below = sibling[below]
+        rows[pointer[k] + 1 : end].sort()
+        pointer[k + 1] = end
+        if end > pointer[k] + 1:
+            parent = rows[pointer[k] + 1]
+            sibling[k] = child[parent]
+            child[parent] = k
+    return pointer, rows[: pointer[n]].copy()
 
 
 @numba.njit(**JIT)
@@ -227,3 +256,35 @@ def _solve(pointer: Int32s, rows: Int32s, v: Floats, inverse: Floats, b: Floats)
         b[k, 0] = inverse[k, 0] * y0 + inverse[k, 1] * y1 + inverse[k, 3] * y2
         b[k, 1] = inverse[k, 2] * y1 + inverse[k, 4] * y2
         b[k, 2] = inverse[k, 5] * y2
+
+
+@numba.njit(**JIT)
+def _solve_all(pointer: Int32s, rows: Int32s, v: Floats, inverse: Floats, b: Floats) -> None:
+    """`_solve` for right-hand sides side by side (n, 3, L): each block of the factor is read once."""
+    n, sides = len(pointer) - 1, b.shape[2]
+    for k in range(n):
+        for s in range(sides):
+            y0 = inverse[k, 0] * b[k, 0, s]
+            y1 = inverse[k, 1] * b[k, 0, s] + inverse[k, 2] * b[k, 1, s]
+            y2 = inverse[k, 3] * b[k, 0, s] + inverse[k, 4] * b[k, 1, s] + inverse[k, 5] * b[k, 2, s]
+            b[k, 0, s] = y0
+            b[k, 1, s] = y1
+            b[k, 2, s] = y2
+        for q in range(pointer[k] + 1, pointer[k + 1]):
+            i = rows[q]
+            for c in range(3):
+                v0, v1, v2 = v[q, 3 * c], v[q, 3 * c + 1], v[q, 3 * c + 2]
+                for s in range(sides):
+                    b[i, c, s] -= v0 * b[k, 0, s] + v1 * b[k, 1, s] + v2 * b[k, 2, s]
+    for k in range(n - 1, -1, -1):
+        for q in range(pointer[k] + 1, pointer[k + 1]):
+            i = rows[q]
+            for c in range(3):
+                v0, v1, v2 = v[q, c], v[q, 3 + c], v[q, 6 + c]
+                for s in range(sides):
+                    b[k, c, s] -= v0 * b[i, 0, s] + v1 * b[i, 1, s] + v2 * b[i, 2, s]
+        for s in range(sides):
+            y0, y1, y2 = b[k, 0, s], b[k, 1, s], b[k, 2, s]
+            b[k, 0, s] = inverse[k, 0] * y0 + inverse[k, 1] * y1 + inverse[k, 3] * y2
+            b[k, 1, s] = inverse[k, 2] * y1 + inverse[k, 4] * y2
+            b[k, 2, s] = inverse[k, 5] * y2

@@ -11,6 +11,7 @@ Alternative (docs/physics.md): scaling each element by the energy ratio of its p
 leaves torsion a quarter too stiff and diverges with further iterations.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +31,7 @@ REGULARISATION_WEIGHT = 1e-4
 
 
 class Target(NamedTuple):
-    """Loads (L,n,3) N on the vertices, displacements (L,n,3) m of the quadratic mesh, weights (L,),
+    """Loads (n,3,L) N on the vertices, displacements (n,3,L) m of the quadratic mesh, weights (L,),
     frequencies.
 
     The frequencies (k,) of the quadratic mesh are in Hz.
@@ -79,12 +80,12 @@ def reference_target(
     vertices[reference.order] = reference.rest
     load = np.concatenate([inertia, wind, random_couples(vertices[:count], COUPLE_COUNT, seed)])
     weight = np.concatenate([omega[0] / omega, np.ones(2), np.full(COUPLE_COUNT, COUPLE_WEIGHT)])
-    wide = np.zeros((len(load), len(vertices), 3))
-    wide[:, :count] = load
+    wide = np.zeros((len(vertices), 3, len(load)))
+    wide[:count] = _last_axis(load)
     reference.assemble(zero, zero, 1.0, np.zeros(len(zero)), zero.copy())
     reference.solver.factorise(reference.values)
-    u = solve_loads(reference, wide)[:, :count]
-    return Target(load, u, weight / weight.sum(), omega / (2 * np.pi))
+    u = solve_loads(reference, wide)[:count]
+    return Target(wide[:count], u, weight / weight.sum(), omega / (2 * np.pi))
 
 
 def fit_factors(
@@ -122,8 +123,8 @@ class _Problem:
         self.parts = (axial, shear)
         self.tets = np.empty_like(system.elements)
         self.tets[:] = system.order[system.elements]
-        size = np.einsum("n,lni->l", vertex_mass_kg, target.u_m**2)
-        self.weight = vertex_mass_kg[None, :, None] * (target.weight / size)[:, None, None]
+        size = np.einsum("n,nil->l", vertex_mass_kg, target.u_m**2)
+        self.weight = vertex_mass_kg[:, None, None] * (target.weight / size)
         self.mismatch = np.inf
 
     def factors(self, x: Floats) -> tuple[Floats, Floats]:
@@ -143,29 +144,28 @@ class _Problem:
         off = self.weight * (u - self.target.u_m)
         self.mismatch = float(np.vdot(off, u - self.target.u_m))
         slope = -_gram(self.tets, solve_loads(self.system, 2 * off), u)
-        log_gradient = [f * _contract(k, slope) for f, k in zip(factors, self.parts, strict=True)]  # ∂/∂log
+        log_gradient = [f * c for f, c in zip(factors, _contract(self.parts, slope), strict=True)]  # ∂/∂log
         offset = x - np.log(START_FACTOR)
         value = self.mismatch + REGULARISATION_WEIGHT * float(np.mean(offset**2))
         return value, np.concatenate(log_gradient) + 2 * REGULARISATION_WEIGHT / len(x) * offset
 
 
 def _gram(tets: Int32s, a: Floats, b: Floats) -> Floats:
-    """(m,4,3,4,3) sums over the loads of products of the elements' nodal values of a and b (L,n,3)."""
-    left, right = (
-        np.ascontiguousarray(f.transpose(1, 2, 0))[tets].reshape(len(tets), 12, -1) for f in (a, b)
-    )
+    """(m,4,3,4,3) sums over the loads of products of the elements' nodal values of a and b (n,3,L)."""
+    left, right = (f[tets].reshape(len(tets), 12, -1) for f in (a, b))
     return (left @ right.transpose(0, 2, 1)).reshape(len(tets), 4, 3, 4, 3)
 
 
-def _contract(blocks: Floats, gram: Floats) -> Floats:
-    """(m,) Σ K_ab : G_ab over all node pairs, from the upper blocks."""
-    total = np.zeros(len(blocks))
+def _contract(parts: Sequence[Floats], gram: Floats) -> list[Floats]:
+    """(m,) Σ K_ab : G_ab over all node pairs, from the upper blocks of each part."""
+    totals = [np.zeros(len(gram)) for _ in parts]
     for p, (i, j) in enumerate(PAIRS):
         both = gram[:, i, :, j, :]
         if i != j:
             both = both + gram[:, j, :, i, :].transpose(0, 2, 1)
-        total += np.einsum("eij,eij->e", blocks[:, p], both)
-    return total
+        for total, blocks in zip(totals, parts, strict=True):
+            total += np.einsum("eij,eij->e", blocks[:, p], both)
+    return totals
 
 
 def random_couples(vertices_m: Floats, count: int, seed: int) -> Floats:
@@ -184,11 +184,15 @@ def random_couples(vertices_m: Floats, count: int, seed: int) -> Floats:
 
 
 def solve_loads(system: ElementSystem, load: Floats) -> Floats:
-    """Displacements (L,N,3) m under loads (L,N,3) N with the current factor, in mesh order."""
-    u = np.empty_like(load)
-    for one, out in zip(load, u, strict=True):
-        inner = np.ascontiguousarray(one[system.order])
-        inner[system.free :] = 0
-        system.solver.solve(inner)
-        out[system.order] = inner
+    """Displacements (N,3,L) m under loads (N,3,L) N with the current factor, in mesh order."""
+    inner = load[system.order]
+    inner[system.free :] = 0
+    system.solver.solve_all(inner)
+    u = np.empty_like(inner)
+    u[system.order] = inner
     return u
+
+
+def _last_axis(of_loads: Floats) -> Floats:
+    """(n,3,L) of (L,n,3)."""
+    return np.ascontiguousarray(of_loads.transpose(1, 2, 0))

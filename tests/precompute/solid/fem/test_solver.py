@@ -33,6 +33,31 @@ def test_solution_agrees_with_dense_algebra(seed: int) -> None:
     np.testing.assert_allclose(matrix @ x.ravel(), b.ravel(), atol=1e-10)
 
 
+def test_right_hand_sides_side_by_side_are_solved_like_one_after_the_other() -> None:
+    solver, values = _problem(60, 7)
+    solver.factorise(values)
+    b = np.random.default_rng(7).normal(size=(61, 3, 5))
+    expected = b.copy()
+    for k in range(b.shape[2]):
+        one = b[:, :, k].copy()
+        solver.solve(one)
+        expected[:, :, k] = one
+    solver.solve_all(b)
+    np.testing.assert_allclose(b, expected, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_pattern_of_the_factor_is_that_of_elimination(seed: int) -> None:
+    solver, values = _problem(60, seed)
+    filled = solver.to_scipy(np.ones_like(values)).toarray()[::3, ::3] != 0
+    for k in range(solver.n):
+        below = np.flatnonzero(filled[:, k])
+        below = below[below > k]
+        filled[np.ix_(below, below)] = True
+        start, end = solver.pointer[k : k + 2]
+        np.testing.assert_array_equal(solver.rows[start:end], [k, *below])
+
+
 def test_factorisation_is_deterministic() -> None:
     answers = []
     for _ in range(2):

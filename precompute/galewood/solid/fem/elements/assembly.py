@@ -127,10 +127,12 @@ class ElementSystem:
 
     def assemble(self, u: Floats, w: Floats, scale: float, mass: Floats, out: Floats) -> None:
         """`force` and `values` = scale · stiffness(u) + diag(mass), lower blocks in the factor's pattern."""
-        self.values[:] = 0.0
-        for k in (0, 4, 8):
-            self.values[self.diagonal, k] = mass[: self.free]
+        _begin_values(self.values, self.diagonal, mass)
         self._run(u, w, scale, True, out)
+
+    def add_to_diagonal(self, blocks: Floats, factor: float) -> None:
+        """Add ``factor`` times blocks (N,9) of the nodes to the diagonal of the assembled `values`."""
+        _add_blocks(self.values, self.diagonal, blocks, factor)
 
     def _run(self, u: Floats, w: Floats, scale: float, matrix: bool, out: Floats) -> None:
         out[:] = 0.0
@@ -161,6 +163,21 @@ class ElementSystem:
         free = nodes < self.free
         found[free] = self.values[self.diagonal[nodes[free]]]
         return found.reshape(-1, 3, 3)
+
+
+@numba.njit(cache=True, nogil=True)
+def _begin_values(values: Floats, diagonal: Int32s, mass: Floats) -> None:
+    values[:] = 0.0
+    for node, slot in enumerate(diagonal):
+        for k in (0, 4, 8):
+            values[slot, k] = mass[node]
+
+
+@numba.njit(cache=True, nogil=True)
+def _add_blocks(values: Floats, diagonal: Int32s, blocks: Floats, factor: float) -> None:
+    for node, slot in enumerate(diagonal):
+        for k in range(9):
+            values[slot, k] += factor * blocks[node, k]
 
 
 def _node_pairs(elements: NDArray[np.int64]) -> Int32s:
