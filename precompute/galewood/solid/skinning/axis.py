@@ -94,6 +94,16 @@ class Axis:
             child[sought], cost_m[sought] = link[best], asked_m[best]
         return self._beside(points_m, child)[0]
 
+    def nearest_on_path(self, points_m: Floats, end: int) -> Bindings:
+        """Bindings of points (v, 3) to the nearest places on the path from the root to a point."""
+        path = [end]
+        while self.parent[self.parent[path[-1]]] >= 0:
+            path.append(int(self.parent[path[-1]]))
+        link = np.tile(np.array(path), len(points_m))
+        tried, cost_m = self._beside(np.repeat(points_m, len(path), axis=0), link)
+        best = cost_m.reshape(len(points_m), len(path)).argmin(axis=1)
+        return tried.take(len(path) * np.arange(len(points_m)) + best)
+
     def _beside(self, points_m: Floats, child: Ints) -> tuple[Bindings, Floats]:
         """Bindings of points (v, 3) to the nearest places on some links (v,), and what they cost (v,), m."""
         start = self.points_m[self.parent[child]]

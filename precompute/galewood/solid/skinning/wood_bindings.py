@@ -38,6 +38,10 @@ TORN_SLOPE = 1.5
 """Distance of two bindings, relative to the largest allowed, from which an edge between them is torn."""
 AWAY_RADII = 2.0
 """A vertex that is bound again is held by a branch whose bark is farther by at most so many of its radii."""
+LINE_DISTANCE = 0.15
+"""Distance from a line of the axis, over the size of a piece, up to which the line runs through the piece."""
+MOST_LINES, LINE_SAMPLES = 8, 256
+"""Lines that are tried for a piece, those with the most of its bindings, and vertices that decide on one."""
 LARGEST_DISTANCE = 0.1
 """Distance from the bark of its branch, over its size, from which a small piece is bound to one place."""
 
@@ -54,7 +58,8 @@ def wood_bindings(wood: RenderPrimitive, axis: Axis) -> Bindings:
     middle = _ring_middles(welded)
     nearest = without_islands(axis.nearest(middle), middle, welded, axis)
     limited = limited_slope(nearest, welded.place_m, welded.ends, axis)
-    return with_rigid_pieces(limited, welded.place_m, welded.ends, axis).take(welded.same)
+    whole = with_single_lines(limited, middle, welded, axis)
+    return with_rigid_pieces(whole, welded.place_m, welded.ends, axis).take(welded.same)
 
 
 @dataclass(frozen=True)
@@ -193,6 +198,42 @@ def _small_pieces(place_m: Floats, ends: Ints) -> tuple[Ints, Floats]:
     piece = components(ends, len(place_m))
     size_m = piece_size(place_m, piece)
     return piece, np.where(size_m < SMALL_PIECE * float(np.ptp(place_m, axis=0).max()), size_m, 0.0)
+
+
+def with_single_lines(bindings: Bindings, middle_m: Floats, wood: WeldedPrimitive, axis: Axis) -> Bindings:
+    """The bindings in which a torn piece is bound along one line of the axis, if one runs through it.
+
+    Where twigs cross a limb that is a closed surface of its own, its rings are nearest to the axis of now the
+    one, now the other. The limb bends with one of them. ``middle_m`` (w, 3) are the middles of the rings.
+    """
+    piece = components(wood.ends, len(middle_m))
+    across = _is_torn(bindings, wood.place_m, wood.ends, axis)
+    size_m = piece_size(wood.place_m, piece)
+    torn: list[Ints] = [np.zeros(0, np.int64)]
+    along: list[Bindings] = [bindings.take(torn[0])]
+    for number in np.unique(piece[wood.ends[across, 0]]).tolist():
+        own = np.flatnonzero(piece == number)
+        found = _along_one_line(middle_m[own], bindings.child[own], axis, LINE_DISTANCE * size_m[number])
+        if found is not None:
+            torn.append(own)
+            along.append(found)
+    moved = np.concatenate(torn)
+    changed = bindings.replaced(moved, Bindings.concatenated(along))
+    ends = wood.ends[np.isin(wood.ends[:, 0], moved)]
+    return limited_slope(changed, wood.place_m, ends, axis) if len(ends) else changed
+
+
+def _along_one_line(middle_m: Floats, child: Ints, axis: Axis, most_m: float) -> Bindings | None:
+    """Bindings of points (v, 3) to the line nearest to all of them, of those of some links (v,).
+
+    None: no line is within ``most_m`` of all.
+    """
+    end, count = np.unique(axis.paths.line_ends[child], return_counts=True)
+    tried = end[np.argsort(-count, kind="stable")[:MOST_LINES]].tolist()
+    some_m = middle_m[:: -(-len(middle_m) // LINE_SAMPLES)]
+    off_m = [np.linalg.norm(some_m - axis.nearest_on_path(some_m, one).at_m, axis=1).max() for one in tried]
+    best = int(np.argmin(off_m))
+    return axis.nearest_on_path(middle_m, tried[best]) if off_m[best] <= most_m else None
 
 
 def with_rigid_pieces(bindings: Bindings, place_m: Floats, ends: Ints, axis: Axis) -> Bindings:

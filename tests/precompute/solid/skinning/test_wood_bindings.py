@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from galewood.solid.skinning import Axis, Bindings
 from galewood.solid.skinning.wood_bindings import (
@@ -15,7 +17,7 @@ from galewood.tree.types import RenderPrimitive
 from galewood.util import Floats, Ints
 
 from tests.precompute.fixtures import tree_meshes as make
-from tests.precompute.solid.skinning.poles import axis_of, pole, pole_wood
+from tests.precompute.solid.skinning.poles import axis_of, path_to_root, pole, pole_wood
 
 
 def test_a_straight_limb_is_bound_beside_itself() -> None:
@@ -81,3 +83,41 @@ def test_a_small_piece_without_a_branch_is_rigid() -> None:
     own = found.at_m[len(stem.positions_m) :]
     np.testing.assert_allclose(own, np.broadcast_to(own[:1], own.shape))
     assert abs(own[0, 1] - 2.0) < 0.1, "where it grows"
+
+
+def limb_with_a_twig_inside() -> tuple[Axis, RenderPrimitive]:
+    """A limb of 4 m, a tube of its own, whose axis runs 0.1 m beside its middle from 1 to 2.5 m up.
+
+    There the axis of a twig from 1 m up is nearer to the middle of the tube.
+    """
+    limb = pole().points_m.copy()
+    limb[11:26, 0] = 0.1
+    twig = np.stack([0 * limb[11:26, 1], limb[11:26, 1], 0 * limb[11:26, 1]], axis=1)
+    parent = np.array([*range(-1, 40), 10, *range(41, 55)])
+    tube = make.tube((0, 0, 0), (0, 4, 0), 0.03, 0.03, sides=8, rings=41)
+    wood = RenderPrimitive("wood_0", "wood", tube.vertices, tube.faces)
+    return axis_of(np.concatenate([limb, twig]), parent, 0.03), wood
+
+
+def test_a_limb_is_bound_along_one_line_where_a_twig_runs_inside_it() -> None:
+    axis, wood = limb_with_a_twig_inside()
+    welded = welded_primitive(wood)
+    first = axis.nearest(wood.positions_m)
+    assert (first.child > 40).mean() > 0.2, "some rings are nearest to the twig"
+    bindings = wood_bindings(wood, axis)
+    assert set(bindings.child.tolist()) <= set(path_to_root(axis.parent, 40)), "all are held by the limb"
+    _, arc = axis.paths.places(bindings.take(welded.first))
+    assert np.abs(np.diff(arc[welded.ends], axis=1)).max() < 0.3, (
+        "edges of 0.1 m; the axis steps aside by 0.1"
+    )
+
+
+def test_the_nearest_place_on_a_path_is_that_of_all_its_links() -> None:
+    axis, _ = crossing()
+    points = np.random.default_rng(3).uniform([-1, 0, -1], [2, 4, 1], (50, 3))
+    found = axis.nearest_on_path(points, 70)
+    path = path_to_root(axis.parent, 70)
+    share = np.linspace(0, 1, 101)[:, None]
+    places = [axis.points_m[up] * (1 - share) + axis.points_m[own] * share for own, up in pairwise(path)]
+    off = np.linalg.norm(points[:, None] - np.concatenate(places), axis=2).min(axis=1)
+    np.testing.assert_allclose(np.linalg.norm(points - found.at_m, axis=1), off, atol=1e-3)
