@@ -1,7 +1,8 @@
 """The skin of a table: nodes on the axis, joints between them, and the joint of every vertex.
 
 A node is a point of the axis of a branch, with one row of displacement and one of rotation per mode. A joint
-is a place between two nodes; a rendered vertex moves with its joint and turns about it. Nodes are chosen so
+is a place on the straight line between two nodes, whatever the axis does there: what lies beside that line
+turns with the joint. A rendered vertex moves with its joint and turns about it. Nodes are chosen so
 that joints deviate little from the model even in strong wind (``skinning.axis_simplification``).
 """
 
@@ -71,9 +72,10 @@ def make_skin(
     joints = _joints(bindings, simplified)
     child, share = joints.child, joints.share
     first, second, weight = _node_weights(simplified, child, share)
-    off = _lerp(moved, axis.parent, child, share) - (
-        (1 - weight)[:, None, None] * moved[first] + weight[:, None, None] * moved[second]
-    )
+    place = _blend(axis.points_m, first, second, weight)  # on the straight line between the nodes
+    beside = _lerp(axis.points_m, axis.parent, child, share) - place
+    swung = np.cross(_blend(turned, first, second, weight), beside[:, :, None], axis=1)
+    off = _lerp(moved, axis.parent, child, share) - _blend(moved, first, second, weight) - swung
     count = np.bincount(joints.vertex, minlength=len(child))
     rms_error_m, max_error_m = _errors_m(off * motion.rms, count)
     nodes = simplified.nodes
@@ -84,7 +86,7 @@ def make_skin(
         _parents(simplified).astype(np.uint16),
         np.column_stack([np.searchsorted(nodes, first), np.searchsorted(nodes, second)]).astype(np.uint16),
         weight.astype(np.float32),
-        _lerp(axis.points_m, axis.parent, child, share).astype(np.float32),
+        place.astype(np.float32),
         joints.vertex.astype(np.uint16),
         rms_error_m,
         max_error_m,
@@ -148,5 +150,10 @@ def _node_weights(simplified: SimplifiedAxis, child: Ints, share: Floats) -> tup
 
 def _lerp(values: Floats, parent: Ints, child: Ints, share: Floats) -> Floats:
     """Values (p, …) at places on links (j,)."""
+    return _blend(values, parent[child], child, share)
+
+
+def _blend(values: Floats, first: Ints, second: Ints, share: Floats) -> Floats:
+    """Values (p, …) between two points (j,) each, with the weights of the second (j,)."""
     wide = share.reshape(-1, *([1] * (values.ndim - 1)))
-    return (1 - wide) * values[parent[child]] + wide * values[child]
+    return (1 - wide) * values[first] + wide * values[second]

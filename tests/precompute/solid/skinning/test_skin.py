@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from galewood.solid.skinning import Axis, Bindings, MotionSamples, Skin, joint_rows, make_skin
+from galewood.solid.skinning.node_poses import vertex_rows
 from galewood.util import Floats
 from scipy.sparse import csr_matrix
 
@@ -84,3 +85,21 @@ def test_hundreds_of_twigs_do_not_use_up_the_nodes() -> None:
     skin = skin_of(axis, random_bindings(axis, 5), 0.01, most=100)
     assert len(skin.node_rest_m) < 20, "as many as without the twigs"
     assert skin.max_error_m < 0.01
+
+
+def test_a_crooked_limb_between_two_nodes_turns_as_a_whole() -> None:
+    """Points of the axis that no node is kept for do not stay behind beside the line between the nodes."""
+    points = np.zeros((21, 3))
+    points[:, 1] = np.linspace(0, 4, 21)
+    points[1:-1, 0] = np.random.default_rng(4).uniform(-0.1, 0.1, 19)
+    basis = np.cross(np.eye(3)[None], points[:, None]).transpose(0, 2, 1)  # ω × x for ω along each axis
+    turn = np.tile(np.eye(3), (21, 1)) @ np.linalg.pinv(basis.reshape(63, 3))
+    axis = Axis(points, np.arange(-1, 20), np.full(21, 0.1), csr_matrix(np.eye(21)), csr_matrix(turn))
+    child = np.arange(1, 21)
+    bindings = Bindings(child, np.ones(20), points[child], np.zeros(20))
+    skin = make_skin(axis, bindings, MotionSamples(basis, np.eye(3), np.ones(3)), tolerance_m=0.2)
+    assert len(skin.node_rest_m) == 2
+    vertices = points[child] + [0.1, 0.0, 0.05]
+    exact = np.cross(np.eye(3)[None], vertices[:, None]).transpose(0, 2, 1)
+    np.testing.assert_allclose(vertex_rows(skin, vertices), exact, atol=1e-5)
+    assert skin.max_error_m < 1e-6
