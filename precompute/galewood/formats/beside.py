@@ -71,6 +71,11 @@ def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
                 yield local
 
 
+def _of_glb(data: bytes, folder: Path) -> Iterator[str]:
+    """Files that the document of a GLB names, which is its first chunk (glTF 2.0, section 4.4)."""
+    return _of_gltf(data[20 : 20 + int.from_bytes(data[12:16], "little")], folder)
+
+
 def _of_obj(data: bytes, folder: Path) -> Iterator[str]:
     for match in LIBRARY_PATTERN.finditer(data):
         name = match[1].decode("utf-8", errors="replace")
@@ -106,5 +111,6 @@ def _archive(files: dict[str, bytes]) -> bytes:
 
 
 FINDERS = {
-    ".gltf": _of_gltf, ".obj": _of_obj, ".fbx": _images_named, ".dae": _images_named, ".3ds": _images_named,
+    ".gltf": _of_gltf, ".glb": _of_glb, ".obj": _of_obj,
+    ".fbx": _images_named, ".dae": _images_named, ".3ds": _images_named,
 }  # fmt: skip

@@ -17,7 +17,7 @@ from galewood_server.api import (
     wood_species,
 )
 from galewood_server.api.analyses import comparisons, evaluations
-from galewood_server.api.files import artefacts, job_pictures, structures, tables, thumbnails
+from galewood_server.api.files import artefacts, job_pictures, light_meshes, structures, tables, thumbnails
 from galewood_server.api.uploads import pieces, revisions, upload
 from galewood_server.http import with_head_routes
 
@@ -25,6 +25,7 @@ ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
         upload, trees, revisions, pieces, thumbnails, structures, exports, jobs, job_pictures, comparisons,
-        evaluations, tables, artefacts, wood_species, winds, conversions, events, socket, health, metrics,
+        evaluations, tables, artefacts, light_meshes, wood_species, winds, conversions, events, socket,
+        health, metrics,
     )
 )  # fmt: skip

@@ -8,7 +8,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.http import COMPRESSED_BYTES, GZIP_LEVEL
 
-FILES = ("/api/tables/", "/api/records/", "/api/compliances/", "/api/meshes/", "/api/convert")
+FILES = (
+    "/api/tables/",
+    "/api/records/",
+    "/api/compliances/",
+    "/api/meshes/",
+    "/api/light-meshes/",
+    "/api/convert",
+)
 """Paths of files, which are served in ranges or compressed already, or are large and come in one piece."""
 
 

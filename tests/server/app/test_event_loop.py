@@ -148,6 +148,8 @@ def largest_inputs() -> dict[str, Requests]:
         "GET /api/records/{sha256}": file,
         "GET /api/compliances/{sha256}": file,
         "GET /api/meshes/{sha256}": file,
+        "GET /api/light-meshes/{sha256}": file,
+        "GET /api/light-meshes/pictures/{file}": file,
         "GET /api/species": plain,
         "POST /api/winds/validate": winds(),
         "POST /api/convert": [

@@ -61,6 +61,31 @@ def start(start_server: StartServer, species: Path) -> Server:
     return start_server(FAKE_STEP_S="0.01", **environment, **NO_CLUSTER)
 
 
+def test_a_light_mesh_is_served_with_its_pictures(start_server: StartServer, species: Path) -> None:
+    """Pictures never change; a mesh is asked for again, as another version may compress it differently."""
+    render, light = SHIPPED.result.render_glb, species / "light"
+    (light / "pictures").mkdir(parents=True)
+    (light / "index.json").write_text(json.dumps({sha256(render): "small.glb"}))
+    (light / "small.glb").write_bytes(b"glTF, compressed")
+    (light / "pictures" / "maple-bark.0123456789ab.webp").write_bytes(b"WebP")
+    with start(start_server, species).client() as api:
+        mesh = api.get(f"/api/light-meshes/{sha256(render)}")
+        assert (mesh.content, mesh.headers["content-type"]) == (b"glTF, compressed", "model/gltf-binary")
+        assert mesh.headers["cache-control"] == "no-cache"
+        known = {"if-none-match": mesh.headers["etag"]}
+        assert api.get(f"/api/light-meshes/{sha256(render)}", headers=known).status_code == 304
+        picture = api.get("/api/light-meshes/pictures/maple-bark.0123456789ab.webp")
+        assert (picture.content, picture.headers["content-type"]) == (b"WebP", "image/webp")
+        assert "immutable" in picture.headers["cache-control"]
+        for other in (
+            "pictures/maple-bark.ffffffffffff.webp",
+            "pictures/index.json",
+            "pictures/..%2Findex.json",
+        ):
+            assert api.get(f"/api/light-meshes/{other}").status_code == 404
+        assert api.get(f"/api/light-meshes/{sha256(b'another')}").status_code == 404
+
+
 def test_a_shipped_tree_is_ready_at_the_first_request(start_server: StartServer, species: Path) -> None:
     server = start(start_server, species)
     with server.client() as api:
@@ -69,6 +94,8 @@ def test_a_shipped_tree_is_ready_at_the_first_request(start_server: StartServer,
         assert tree["table_sha256"] == sha256(SHIPPED.result.table)
         assert api.get(f"/api/records/{tree['records_sha256']}").content == SHIPPED.result.records
         assert api.get(f"/api/meshes/{tree['mesh_sha256']}").content == SHIPPED.result.render_glb
+        light = api.get(f"/api/light-meshes/{tree['mesh_sha256']}")  # none is shipped: the mesh itself
+        assert light.content == SHIPPED.result.render_glb
         (job,) = api.get("/api/jobs").json()["jobs"]
         assert (job["state"], job["id"]) == ("done", tree["job_id"])
         picture = api.get(f"/api/jobs/{job['id']}/pictures/skeleton.png")

@@ -18,6 +18,7 @@ export {
 export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
 export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
+export { openMesh } from "./trees/mesh/openMesh";
 export {
   type BarePart,
   disposeModel,

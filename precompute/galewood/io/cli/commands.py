@@ -155,9 +155,12 @@ def ship(
     species_dir: SpeciesDir = Path("assets/species"),
     cache_dir: CacheDir = Path("data/cache"),
 ) -> None:
-    """Build the tables that are distributed with the built-in trees, where they are out of date."""
-    from galewood.pipeline.results import SHIPPED_FOLDER
-    from galewood.pipeline.stages import builtin_meshes, outdated
+    """Build the tables that are distributed with the built-in trees, where they are out of date.
+
+    Then write light copies of their meshes, if any has none.
+    """
+    from galewood.pipeline.results import LIGHT_FOLDER, SHIPPED_FOLDER
+    from galewood.pipeline.stages import builtin_meshes, outdated, ship_light
 
     meshes = {mesh.name: mesh for mesh in builtin_meshes(species_dir)}
     unknown = set(names or ()) - set(meshes)
@@ -169,6 +172,8 @@ def ship(
         console.print(f"{mesh.name}: written to {species_dir / SHIPPED_FOLDER}")
     if not chosen:
         console.print("All shipped tables are up to date.")
+    if ship_light(species_dir):
+        console.print(f"light meshes: written to {species_dir / LIGHT_FOLDER}")
 
 
 def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:

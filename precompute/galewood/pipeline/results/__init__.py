@@ -1,5 +1,6 @@
-"""The result of a build, and the form in which it is distributed with the software."""
+"""The result of a build, and the forms in which it is distributed with the software."""
 
+from galewood.pipeline.results.light import LIGHT_FOLDER, PICTURES_FOLDER, light_mesh, write_light
 from galewood.pipeline.results.result import BuildResult, bare_path
 from galewood.pipeline.results.shipped import (
     BUILTIN_OPTIONS,
@@ -13,12 +14,16 @@ from galewood.pipeline.results.shipped import (
 
 __all__ = [
     "BUILTIN_OPTIONS",
+    "LIGHT_FOLDER",
+    "PICTURES_FOLDER",
     "PICTURE_SUFFIX",
     "SHIPPED_FOLDER",
     "BuildResult",
     "ShippedTree",
     "bare_path",
     "build_key",
+    "light_mesh",
     "read_shipped",
+    "write_light",
     "write_shipped",
 ]

@@ -13,6 +13,7 @@ from .shipping import BuiltinMesh as BuiltinMesh
 from .shipping import builtin_meshes as builtin_meshes
 from .shipping import outdated as outdated
 from .shipping import ship as ship
+from .shipping import ship_light as ship_light
 from .shipping import unpacked as unpacked
 from .solid import ImportedTree as ImportedTree
 from .stage import Progress as Progress

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -10,11 +11,14 @@ from typing import Any
 
 from galewood.pipeline.results import (
     BUILTIN_OPTIONS,
+    LIGHT_FOLDER,
     PICTURE_SUFFIX,
     SHIPPED_FOLDER,
     ShippedTree,
     build_key,
+    light_mesh,
     read_shipped,
+    write_light,
     write_shipped,
 )
 from galewood.pipeline.stages.artefacts import TETS_PREFIX
@@ -90,3 +94,18 @@ def outdated(folder: Path) -> Iterator[BuiltinMesh]:
     for mesh in builtin_meshes(folder):
         if read_shipped(folder / SHIPPED_FOLDER, mesh.name, mesh.key) is None:
             yield mesh
+
+
+def ship_light(folder: Path) -> bool:
+    """Write the light copies of the shipped render meshes, unless all are there; returns whether it did.
+
+    Raises FileNotFoundError if a tree is not shipped.
+    """
+    meshes = builtin_meshes(folder)
+    render_glbs = [(folder / SHIPPED_FOLDER / f"{mesh.name}.glb").read_bytes() for mesh in meshes]
+    light = folder / LIGHT_FOLDER
+    if all(light_mesh(light, hashlib.sha256(glb).hexdigest()) for glb in render_glbs):
+        return False
+    species = [str(mesh.options["species"]) for mesh in meshes]
+    write_light(light, zip([mesh.name for mesh in meshes], species, render_glbs, strict=True))
+    return True

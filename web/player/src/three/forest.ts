@@ -13,6 +13,7 @@ import {
 import type { Point, Wind } from "../core/forest/givenWind";
 import { fileBytes } from "../core/net/fileBytes";
 import type { DrawnMotion } from "../core/table/drawnTable";
+import { openMesh } from "../trees/mesh/openMesh";
 import { disposeModel, readPlainTree, type TreeModel } from "../trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "../trees/speciesForest";
 import { pickTree } from "../trees/treePick";
@@ -59,6 +60,10 @@ const MAX_TEXTURE_SIDE = 4096;
 
 const absolute = (from: string | URL | ArrayBuffer) =>
   from instanceof ArrayBuffer ? from : new URL(from, document.baseURI).href;
+
+/** To what the addresses of a mesh's pictures are relative. */
+const baseOf = (mesh: string | URL | ArrayBuffer) =>
+  new URL(".", mesh instanceof ArrayBuffer ? document.baseURI : new URL(mesh, document.baseURI)).href;
 
 const bytesOf = async (from: string | URL | ArrayBuffer) =>
   from instanceof ArrayBuffer ? from : fileBytes(`${from}`, fetch(from));
@@ -166,7 +171,7 @@ export class Forest extends Group {
     const read = async (): Promise<Loaded> => {
       const [read_, model] = await Promise.all([
         this.client.load(absolute(table)),
-        bytesOf(mesh).then((bytes) => readPlainTree(bytes)),
+        bytesOf(mesh).then(async (bytes) => readPlainTree(await openMesh(bytes, baseOf(mesh)))),
       ]);
       const loaded = { ...read_, model };
       checkFit(loaded);

@@ -30,7 +30,7 @@ export async function servedTrees(service: string | URL): Promise<ServedTree[]> 
             name,
             tableSha256: table,
             table: `${base}api/tables/${table}`,
-            mesh: `${base}api/meshes/${mesh}`,
+            mesh: `${base}api/light-meshes/${mesh}`,
           },
         ]
       : [],

@@ -130,7 +130,7 @@ export class OwnTreeDialog {
     );
     if (!tree.mesh_sha256) return;
     try {
-      const model = await readTreeModel(await fetchMesh(tree.mesh_sha256));
+      const model = readTreeModel(await fetchMesh(tree.mesh_sha256));
       this.preview.show(model, assumed.vertexPieces, assumed.pieces);
       this.picture.src = thumbnailUrl(tree);
       this.picture.hidden = false;

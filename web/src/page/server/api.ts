@@ -1,5 +1,7 @@
 /** Client of the server's REST API. */
 
+import { openMesh } from "galewood/trees";
+import type { Object3D } from "three";
 import type { Schemas } from "./schema";
 import { type Sending, sendBody } from "./sending";
 
@@ -178,6 +180,9 @@ export const complianceUrl = (sha256: string) => `api/compliances/${sha256}`;
 
 export const recordsUrl = (sha256: string) => `api/records/${sha256}`;
 
-export async function fetchMesh(sha256: string): Promise<ArrayBuffer> {
-  return (await fetchApi(`api/meshes/${sha256}`)).arrayBuffer();
+/** A mesh, opened, in its light copy if it has one. */
+export async function fetchMesh(sha256: string): Promise<Object3D> {
+  const path = `api/light-meshes/${sha256}`;
+  const bytes = await (await fetchApi(path)).arrayBuffer();
+  return openMesh(bytes, new URL(".", new URL(path, document.baseURI)).href);
 }

@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals-core";
 import type { TableMotion } from "galewood/client";
 import type { TreeModel } from "galewood/trees";
+import type { Object3D } from "three";
 import type { TreeAsset } from "../../scene/forest";
 import { type Form, kindsOf } from "../../scene/forms";
 import { readTreeModel } from "../../scene/treeModel/readTreeModel";
@@ -259,9 +260,9 @@ export class Catalogue {
   }
 
   /** Reads one mesh at a time and lets frames and messages in between, so that the first tree moves at once. */
-  private readInTurn(bytes: ArrayBuffer, varied: boolean): Promise<TreeModel> {
+  private readInTurn(opened: Object3D, varied: boolean): Promise<TreeModel> {
     const turn = this.reading.then(() => new Promise((done) => setTimeout(done)));
-    const model = turn.then(() => readTreeModel(bytes, varied));
+    const model = turn.then(() => readTreeModel(opened, varied));
     this.reading = model.catch(() => undefined);
     return model;
   }

@@ -10,7 +10,7 @@ import {
   type TreeModel,
   type TreePart,
 } from "galewood/trees";
-import { BufferAttribute } from "three";
+import { BufferAttribute, type Object3D } from "three";
 import { bareShoots } from "./bareShoots";
 import { limbKeysOf, pieceKeys } from "./limbKeys";
 import { meanColour } from "./meanColour";
@@ -82,9 +82,9 @@ function barePartsOf(read: readonly ReadPart[]): BarePart[] {
   });
 }
 
-/** Reads a GLB; throws if it is invalid or contains no mesh. `varied`: each tree lacks some limbs. */
-export async function readTreeModel(bytes: ArrayBuffer, varied = false): Promise<TreeModel> {
-  const { read, height_m, radius_m } = await readParts(bytes);
+/** Reads an opened GLB; throws if it contains no mesh. `varied`: each tree lacks some limbs. */
+export function readTreeModel(scene: Object3D, varied = false): TreeModel {
+  const { read, height_m, radius_m } = readParts(scene);
   if (varied) assignKeys(read);
   let bareParts: BarePart[] | null = null;
   return {

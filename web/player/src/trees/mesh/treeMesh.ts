@@ -8,7 +8,6 @@ import {
   type Object3D,
   Vector3,
 } from "three";
-import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../../core/math/random";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
 import { COMMON_KEY } from "../variantShader";
@@ -168,11 +167,8 @@ function colourOf(geometry: BufferGeometry): BufferAttribute | null {
 
 const isTwigs = ({ name }: Object3D) => name.startsWith("twigs");
 
-/** The parts of a GLB, and the size of the tree; throws if it is invalid or contains no mesh. */
-export async function readParts(
-  bytes: ArrayBuffer,
-): Promise<{ read: ReadPart[]; height_m: number; radius_m: number }> {
-  const { scene } = await new GLTFLoader().parseAsync(bytes, "");
+/** The parts of an opened GLB, and the size of the tree; throws if it contains no mesh. */
+export function readParts(scene: Object3D): { read: ReadPart[]; height_m: number; radius_m: number } {
   const meshes = meshesOf(scene);
   if (meshes.length === 0) throw new Error("the tree's mesh file contains no mesh");
   const low = new Vector3(Infinity, Infinity, Infinity);
@@ -190,9 +186,9 @@ export async function readParts(
   return { read, height_m: high.y, radius_m };
 }
 
-/** Reads a GLB: complete trees, without shoots in place of leaves. */
-export async function readPlainTree(bytes: ArrayBuffer): Promise<TreeModel> {
-  const { read, height_m, radius_m } = await readParts(bytes);
+/** Reads an opened GLB: complete trees, without shoots in place of leaves. */
+export function readPlainTree(scene: Object3D): TreeModel {
+  const { read, height_m, radius_m } = readParts(scene);
   return { parts: read.map(({ part }) => part), bare: [], height_m, radius_m };
 }
 

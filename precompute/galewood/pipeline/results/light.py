@@ -1,0 +1,132 @@
+"""Light copies of the shipped render meshes: what a browser downloads in place of them.
+
+A light mesh has the vertices of its render mesh in the same order, so the same table moves it. Positions and
+texture coordinates are rounded, normals are octahedral, and all are compressed with meshopt. Both forms of a
+species share pictures, which are WebP files beside the mesh. The folder ``light`` holds
+
+- ``name.glb`` for each tree, which refers to ``pictures/…`` relative to itself;
+- ``pictures/species-what.hash.webp``, each named by its content;
+- ``index.json``: SHA-256 of a render mesh -> the file of its light copy.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from galewood.pipeline.results.light_buffers import CompressedBuffers, glb_parts, packed_glb
+from galewood.util import write_atomically
+
+Json = dict[str, Any]
+LIGHT_FOLDER, PICTURES_FOLDER, INDEX_FILE = "light", "pictures", "index.json"
+WEBP_MIME, WEBP_EXTENSION = "image/webp", "EXT_texture_webp"
+PICTURE_NAMES = {("wood", "baseColorTexture"): "bark", ("wood", "normalTexture"): "bark-normal"}
+"""Material and slot -> name of a picture; others are named by their material."""
+COLOUR_QUALITY, NORMAL_QUALITY = 82, 90
+
+
+@dataclass
+class Pictures:
+    """The pictures of one species as WebP; those of its first form serve the other one too."""
+
+    species: str
+    files: dict[str, bytes] = field(default_factory=dict[str, bytes])
+    """File name -> content."""
+    _names: dict[str, str] = field(default_factory=dict[str, str])
+
+    def uri(self, material: str, slot: str, content: bytes) -> str:
+        """The address of a picture, relative to a light mesh."""
+        name = PICTURE_NAMES.get((material, slot), material)
+        if name not in self._names:
+            quality = NORMAL_QUALITY if slot == "normalTexture" else COLOUR_QUALITY
+            packed = _webp(content, quality)
+            file = f"{self.species}-{name}.{hashlib.sha256(packed).hexdigest()[:12]}.webp"
+            self.files[file], self._names[name] = packed, file
+        return f"{PICTURES_FOLDER}/{self._names[name]}"
+
+
+def light_glb(render_glb: bytes, pictures: Pictures) -> bytes:
+    """The light copy of a render mesh, whose pictures are added to ``pictures``."""
+    document, body = glb_parts(render_glb)
+    buffers = CompressedBuffers(document, body)
+    for mesh in document["meshes"]:
+        for primitive in mesh["primitives"]:
+            for name, accessor in primitive["attributes"].items():
+                buffers.attribute(name, accessor)
+            buffers.indices(primitive["indices"])
+    images = _images(document, body, pictures)
+    extensions = [*buffers.EXTENSIONS, *([WEBP_EXTENSION] if images else [])]
+    return packed_glb(
+        document
+        | images
+        | buffers.document()
+        | {"extensionsUsed": extensions, "extensionsRequired": extensions},
+        buffers.binary,
+    )
+
+
+def write_light(folder: Path, trees: Iterable[tuple[str, str, bytes]]) -> None:
+    """Write the light meshes of all trees to ``folder``, in place of those that it has.
+
+    ``trees``: name, species and render mesh of each. The first form of a species has the pictures of both.
+    """
+    pictures: dict[str, Pictures] = {}
+    meshes: dict[str, bytes] = {}
+    index: dict[str, str] = {}
+    for name, species, render_glb in trees:
+        own = pictures.setdefault(species, Pictures(species))
+        meshes[f"{name}.glb"] = light_glb(render_glb, own)
+        index[hashlib.sha256(render_glb).hexdigest()] = f"{name}.glb"
+    drawn = {f"{PICTURES_FOLDER}/{file}": b for own in pictures.values() for file, b in own.files.items()}
+    (folder / PICTURES_FOLDER).mkdir(parents=True, exist_ok=True)
+    for file, content in (meshes | drawn).items():
+        write_atomically(folder / file, content)
+    write_atomically(folder / INDEX_FILE, (json.dumps(index, indent=1) + "\n").encode())
+    for path in [*folder.glob("*.glb"), *(folder / PICTURES_FOLDER).iterdir()]:
+        if path.relative_to(folder).as_posix() not in meshes | drawn:
+            path.unlink()
+
+
+def light_mesh(folder: Path, mesh_sha256: str) -> bytes | None:
+    """The light copy of a render mesh in a folder of light meshes; None if it has none."""
+    try:
+        file = json.loads((folder / INDEX_FILE).read_bytes()).get(mesh_sha256)
+        return (folder / file).read_bytes() if file else None
+    except OSError:
+        return None
+
+
+def _images(document: Json, body: bytes, pictures: Pictures) -> Json:
+    """Textures and images of the light mesh: one texture per slot, in the order of the render mesh."""
+    textures: list[Json] = [{} for _ in document.get("textures", [])]
+    images: list[Json] = []
+    for material in document["materials"]:
+        slots = material.get("pbrMetallicRoughness", {}) | material
+        for slot, info in slots.items():
+            if not slot.endswith("Texture"):
+                continue
+            texture = document["textures"][info["index"]]
+            view = document["bufferViews"][document["images"][texture["source"]]["bufferView"]]
+            start = view["byteOffset"]
+            content = body[start : start + view["byteLength"]]
+            images.append({"uri": pictures.uri(material["name"], slot, content), "mimeType": WEBP_MIME})
+            textures[info["index"]] = {
+                "sampler": texture["sampler"],
+                "extensions": {WEBP_EXTENSION: {"source": len(images) - 1}},
+            }
+    return {"textures": textures, "images": images} if images else {}
+
+
+def _webp(content: bytes, quality: int) -> bytes:
+    """A picture as lossy WebP; its alpha is kept, and so are the colours beyond a cut-out, for filtering."""
+    target = io.BytesIO()
+    with Image.open(io.BytesIO(content)) as picture:
+        picture.save(target, "WEBP", quality=quality, alpha_quality=100, method=6, exact=True)
+    return target.getvalue()

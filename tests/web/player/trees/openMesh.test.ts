@@ -1,0 +1,53 @@
+import { readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+import { expect, test, vi } from "vitest";
+import { openMesh } from "../../../../web/player/src/trees/mesh/openMesh";
+import { readParts } from "../../../../web/player/src/trees/mesh/treeMesh";
+
+const JSON_AT = 20;
+
+/** A mesh of a built-in tree without its pictures, which need a browser. */
+function meshWithoutPictures(file: string): ArrayBuffer {
+  const glb = readFileSync(fileURLToPath(new URL(`../../../../assets/species/${file}`, import.meta.url)));
+  const size = glb.readUInt32LE(12);
+  const document = JSON.parse(glb.toString("utf8", JSON_AT, JSON_AT + size));
+  for (const material of document.materials) {
+    delete material.normalTexture;
+    delete material.pbrMetallicRoughness.baseColorTexture;
+  }
+  const { textures, images, samplers, ...rest } = document;
+  glb.write(JSON.stringify(rest).padEnd(size), JSON_AT);
+  return new Uint8Array(glb).buffer;
+}
+
+test("a compressed mesh has the pieces of the mesh that it stands for", { timeout: 60_000 }, async () => {
+  const [plain, light] = await Promise.all(
+    ["shipped", "light"].map(async (folder) =>
+      readParts(await openMesh(meshWithoutPictures(`${folder}/apricot-forest.glb`))),
+    ),
+  );
+  expect(light.height_m).toBeCloseTo(plain.height_m, 3);
+  expect(light.read.map(({ geometry }) => geometry.kind)).toEqual(["wood", "twigs", "leaves"]);
+  light.read.forEach(({ part, geometry }, k) => {
+    const expected = plain.read[k];
+    expect(geometry.pieces.count).toBe(expected.geometry.pieces.count);
+    expect(geometry.pieces.ofVertex).toEqual(expected.geometry.pieces.ofVertex);
+    expect(part.counts).toEqual(expected.part.counts);
+    const [found, wanted] = [part.normal.array, expected.part.normal.array];
+    for (let i = 0; i < wanted.length; i++) expect(Math.abs(found[i] - wanted[i])).toBeLessThan(0.03);
+  });
+});
+
+test("a mesh whose picture cannot be loaded is refused", async () => {
+  vi.stubGlobal("self", globalThis); // as in a browser, where pictures are fetched
+  vi.stubGlobal("createImageBitmap", () => Promise.reject(new Error("no picture")));
+  const complaints = vi.spyOn(console, "error").mockImplementation(() => {});
+  const glb = readFileSync(
+    fileURLToPath(new URL("../../../../assets/species/light/apricot-forest.glb", import.meta.url)),
+  );
+  const bytes = new Uint8Array(glb).buffer;
+  await expect(openMesh(bytes, "http://127.0.0.1:9/")).rejects.toThrow(/apricot-/);
+  expect(complaints).toHaveBeenCalled();
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+});
