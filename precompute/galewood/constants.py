@@ -85,12 +85,13 @@ STILL_RECORDING: Mapping[str, Any] = {"interval_s": 1.0, "unit": 0.0, "pairs": "
 WIND_PRESETS: Mapping[str, Any] = {
     "still": {
         "version": 1,
-        "model": "cosine",
+        "model": "spectral",
         "direction_deg": 30.0,
         "seed": 1,
         "mean_speed_m_s": 0.0,
-        "gustiness": 0.5,
-        "convection_speed_m_s": 4.0,
+        "gustiness": 0.6,
+        "convection_speed_m_s": 2.0,
+        "length_scale_m": 28.0,
     },
     "breeze": {
         "version": 1,

@@ -8,11 +8,11 @@ import {
   PCFShadowMap,
   PerspectiveCamera,
   Scene,
-  Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Backdrop } from "./backdrop";
+import { EDGE_VIEW } from "./camera/viewpoints";
 import type { Planted } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
@@ -34,8 +34,8 @@ const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
 /** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
 const BARE_DETAIL: Record<Quality, number> = { low: 5, medium: 1.8, high: 1.2 };
-const LOOK_AT_M = new Vector3(-1, 6.2, -16);
-const EYE_M = { x: 7, above: 8.2, z: 24 };
+/** How far the view may be turned up, as the angle of the camera from above its target: crowns are seen from below. */
+const MAX_POLAR_RAD = 0.75 * Math.PI;
 
 export class Stage {
   readonly scene = new Scene();
@@ -90,7 +90,7 @@ export class Stage {
       this.backdrop.wood.group,
       this.daylight.group,
     );
-    this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
+    this.camera.position.copy(EDGE_VIEW.eye);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(canvas);
@@ -99,12 +99,12 @@ export class Stage {
 
   private orbit(): OrbitControls {
     const controls = new OrbitControls(this.camera, this.canvas);
-    controls.target.copy(LOOK_AT_M);
+    controls.target.copy(EDGE_VIEW.target);
     controls.enableDamping = true;
     controls.dampingFactor = 0.12;
     controls.minDistance = 4;
     controls.maxDistance = 260;
-    controls.maxPolarAngle = 0.53 * Math.PI;
+    controls.maxPolarAngle = MAX_POLAR_RAD;
     controls.listenToKeyEvents(this.canvas);
     controls.update();
     return controls;

@@ -62,6 +62,16 @@ test("the sliders of the panel change only their fields of the wind", () => {
   expect(parseWind(wind)).toEqual({ ...PRESETS["storm-front"], gustiness: 0.1, direction_deg: 300 });
 });
 
+test.each(["opening", ...Object.keys(PRESETS)])("the arrow keeps the gust model and the gusts within the crowns: %s", (name) => {
+  const wind = name === "opening" ? DEFAULTS.wind : PRESETS[name as keyof typeof PRESETS];
+  expect(wind.model).not.toBe("cosine"); // which has no gusts within crowns
+  for (const mean_speed_m_s of [0, 0.3, 7, 20, 60]) {
+    const dragged = parseWind(withMean(wind, mean_speed_m_s, 200));
+    const { model, length_scale_m, gustiness, seed } = wind;
+    expect(dragged).toMatchObject({ model, length_scale_m, gustiness, seed, mean_speed_m_s });
+  }
+});
+
 test("gusts that travel with the mean wind follow its changes, others keep their speed", () => {
   const together = { ...CALM_BREEZE, convection_speed_m_s: gustSpeed_m_s(CALM_BREEZE.mean_speed_m_s) };
   expect(withMean(together, 13, 5)).toMatchObject({ convection_speed_m_s: 13, direction_deg: 5 });

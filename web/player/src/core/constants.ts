@@ -84,12 +84,13 @@ export const STILL_RECORDING = { interval_s: 1, unit: 0, pairs: "AAAAAAAAAAA=" }
 export const WIND_PRESETS = {
   still: {
     version: 1,
-    model: "cosine",
+    model: "spectral",
     direction_deg: 30,
     seed: 1,
     mean_speed_m_s: 0,
-    gustiness: 0.5,
-    convection_speed_m_s: 4,
+    gustiness: 0.6,
+    convection_speed_m_s: 2,
+    length_scale_m: 28,
   },
   breeze: {
     version: 1,

@@ -70,7 +70,7 @@ export const DEFAULTS: Settings = {
   form: "place",
   inventory: "",
   forestSeed: 7,
-  wind: plainWind({ mean_speed_m_s: 7, direction_deg: 30, gustiness: 0.6, seed: 1 }),
+  wind: plainWind({ mean_speed_m_s: 8, direction_deg: 30, gustiness: 0.7, seed: 1 }),
   lookup: "worker",
   method: "modal",
   poseEasing: null,

@@ -33,13 +33,17 @@ const above = (x: number, height_m: number, z: number): Point => ({
   z,
 });
 
-const EDGE_VIEW: Viewpoint = { eye: above(7, 8.2, 24), target: { x: -1, y: 6.2, z: -16 } };
+/** Height of a visitor's eyes, m. */
+const EYE_HEIGHT_M = 1.7;
+
+/** Where the page opens: in the glade at the edge of the forest, 15 m from the first crowns, as a visitor sees them. */
+export const EDGE_VIEW: Viewpoint = { eye: above(1, EYE_HEIGHT_M, 9.5), target: above(7.5, 4.6, -8) };
 
 /** A place in the glade that shows the trees on one side from below. */
 function underCrowns(): Viewpoint {
   const z = -19;
   const x = gladeCentre_m(z) + 3;
-  return { eye: above(x, 1.7, z), target: above(x + 11, 6.4, z - 8) };
+  return { eye: above(x, EYE_HEIGHT_M, z), target: above(x + 11, 6.4, z - 8) };
 }
 
 /** From the sunny side, at a distance at which the tree fills the view. */

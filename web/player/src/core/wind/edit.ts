@@ -9,11 +9,15 @@ export const gustSpeed_m_s = (mean_m_s: number): number => Math.max(MIN_GUST_SPE
 /** The four numbers that define a plain wind. */
 export type PlainWind = Pick<WindDocument, "mean_speed_m_s" | "direction_deg" | "gustiness" | "seed">;
 
-/** Cosine gusts that travel with the mean wind; all other fields have their defaults. */
+/** Size of the gusts of a plain wind, m. */
+const PLAIN_LENGTH_SCALE_M = 28;
+
+/** Turbulence, also within the crowns, that travels with the mean wind; all other fields have their defaults. */
 export function plainWind({ mean_speed_m_s, direction_deg, gustiness, seed }: PlainWind): WindDocument {
   return {
     version: 1,
-    model: "cosine",
+    model: "spectral",
+    length_scale_m: PLAIN_LENGTH_SCALE_M,
     convection_speed_m_s: gustSpeed_m_s(mean_speed_m_s),
     mean_speed_m_s,
     direction_deg,
