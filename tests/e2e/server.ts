@@ -1,7 +1,8 @@
 /** Starts and stops a real server for the tests. */
 import { type ChildProcess, spawn } from "node:child_process";
-import { existsSync } from "node:fs";
+import { cpSync, existsSync, mkdtempSync, readdirSync } from "node:fs";
 import { createServer } from "node:net";
+import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 
 /** The benchmark, which also uses this module, runs in web/. */
@@ -44,6 +45,15 @@ export function serve(port: number, data: string, settings: Record<string, strin
   });
   server.on("error", (error) => console.error(`the server did not start: ${error.message}`));
   return server;
+}
+
+/** Copies the data that a second server needs, without the cache of computations. */
+export function copyOf(data: string): string {
+  const copy = mkdtempSync(join(tmpdir(), "galewood-again-"));
+  for (const name of readdirSync(data)) {
+    if (name !== "cache" && !name.startsWith(".lock")) cpSync(join(data, name), join(copy, name), { recursive: true });
+  }
+  return copy;
 }
 
 export async function stop(server: ChildProcess): Promise<void> {

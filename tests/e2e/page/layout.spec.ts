@@ -62,7 +62,7 @@ async function fill(page: Page): Promise<void> {
     document.getElementById("progress")!.append(card);
     const toast = document.createElement("div");
     toast.className = "toast bad";
-    toast.innerHTML = "<strong>The server cannot be reached.</strong><button>Dismiss</button><p>Check it.</p>";
+    toast.innerHTML = "<strong>The server is not connected.</strong><button>Dismiss</button><p>Check it.</p>";
     document.getElementById("toasts")!.append(toast);
     const meter = document.querySelector<HTMLElement>(".anemometer")!;
     meter.hidden = false;

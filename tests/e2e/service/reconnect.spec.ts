@@ -1,17 +1,6 @@
-import { cpSync, mkdtempSync, readdirSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { rmSync } from "node:fs";
 import { expect, forest, SMALL, sway_m, test } from "../forest";
-import { freePort, serve, STARTS_WITHIN_MS, stop, until } from "../server";
-
-/** Copies the data that a second server needs, without the cache of computations. */
-function copyOf(data: string): string {
-  const copy = mkdtempSync(join(tmpdir(), "galewood-again-"));
-  for (const name of readdirSync(data)) {
-    if (name !== "cache" && !name.startsWith(".lock")) cpSync(join(data, name), join(copy, name), { recursive: true });
-  }
-  return copy;
-}
+import { copyOf, freePort, serve, STARTS_WITHIN_MS, stop, until } from "../server";
 
 test("the forest keeps moving while the server is down, and the stream resumes with it", async ({ page, quiet }) => {
   const source = process.env.SERVER_DATA;

@@ -1,5 +1,4 @@
 /** "Check accuracy": a dialog that overlays a tree animated from its table with the reference solution. */
-import "./compare.css";
 import type { TableMotion } from "galewood/client";
 import type { Method } from "galewood/motion";
 import type { TreeModel } from "galewood/trees";

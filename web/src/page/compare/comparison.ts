@@ -1,11 +1,14 @@
 /** Opens the comparison with the reference solution; its view is loaded when it is first opened. */
 
+import "./compare.css";
 import type { SpeciesForest } from "galewood/trees";
 import { tool } from "../controls/tools";
 import type { World } from "../forest/world";
 import { localError_m } from "../overlays/localError";
 import type { TreePicker } from "../picking/treePicker";
+import { findService } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
+import { loadPart, withServer } from "../server/connected";
 import type { Store } from "../store/store";
 import type { Candidate, CompareView } from "./compareView";
 
@@ -22,9 +25,16 @@ export class Comparison {
     private readonly picker: TreePicker,
   ) {}
 
-  /** The forest stops meanwhile, to leave the processor to the comparison. */
   async open(): Promise<void> {
-    const view = await import("./compareView");
+    await withServer("The accuracy was not checked.", async () => {
+      const view = await loadPart(() => import("./compareView"));
+      await findService();
+      this.show(view);
+    });
+  }
+
+  /** The forest stops meanwhile, to leave the processor to the comparison. */
+  private show(view: typeof import("./compareView")): void {
     const { state } = this.store;
     const { forest, client } = this.world;
     this.view ??= new view.CompareView({

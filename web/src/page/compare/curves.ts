@@ -1,6 +1,5 @@
 /** Displacement and errors over time in % of tree height, on a logarithmic axis, with a playback cursor. */
 import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
 import type { Tracks } from "./tracks";
 import { percent } from "./words";
 

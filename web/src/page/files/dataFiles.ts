@@ -1,7 +1,7 @@
 /** Files that are no trees, dropped or chosen: winds, measurements of the wind, and inventories. */
 import type { Inventory } from "galewood/inventory";
 import type { WindDocument } from "galewood/wind";
-import { Problem } from "../server/api";
+import { loadPart, withServer } from "../server/connected";
 import { showToast } from "../ui/toast";
 
 export interface DataFileEvents {
@@ -33,15 +33,12 @@ export class DataFiles {
       () => showToast(`Reading ${file.name}`, "A large file takes a while.", "good"),
       SLOW_MS,
     );
-    try {
-      return await this.pass(file);
-    } catch (error) {
-      if (!(error instanceof Problem)) throw error;
-      showToast(error.title, error.hint);
-      return true;
-    } finally {
-      clearTimeout(slow);
-    }
+    let taken = true;
+    await withServer(`${file.name} was not read; the page keeps it.`, async () => {
+      taken = await this.pass(file);
+    });
+    clearTimeout(slow);
+    return taken;
   }
 
   /** Passes on a file that is to be a wind. */
@@ -55,14 +52,14 @@ export class DataFiles {
   }
 
   private async pass(file: File): Promise<boolean> {
-    const { contentOf } = await import("./content");
+    const { contentOf } = await loadPart(() => import("./content"));
     const content = await contentOf(file);
     if (content === null) return false;
     const events = await this.ready;
     if (content.kind === "inventory") events.inventory(content.inventory, file.name);
     else if (content.kind === "wind") events.wind(content.wind);
     else {
-      const { playMeasuredWind } = await import("./measuredWind");
+      const { playMeasuredWind } = await loadPart(() => import("./measuredWind"));
       playMeasuredWind(file, content.found, events.wind);
     }
     return true;

@@ -2,6 +2,7 @@
 
 import { type Inventory, SCALES } from "galewood/inventory";
 import { fetchApi, Problem } from "../server/api";
+import { loadPart } from "../server/connected";
 import { showReport } from "../ui/reportDialog";
 
 const UNREADABLE_TITLE = "The inventory could not be read.";
@@ -31,7 +32,7 @@ export async function loadInventory(address: string): Promise<NamedInventory> {
     if (!(error instanceof Problem)) throw error;
     throw new Problem(UNREADABLE_TITLE, `${url.href}: ${error.title}`);
   });
-  const { inventoryFrom } = await import("../files/content");
+  const { inventoryFrom } = await loadPart(() => import("../files/content"));
   const real = /filename="([^"]+)"/.exec(response.headers.get("content-disposition") ?? "");
   const name = real?.[1] ?? url.pathname.replace(/^.*\//, "");
   return namedInventory(inventoryFrom(await response.text()), name);

@@ -1,5 +1,4 @@
 /** Shows the detected parts of an uploaded tree, ready to correct before its motion is computed. */
-import "./ownTree.css";
 import { readTreeModel } from "../../scene/treeModel/readTreeModel";
 import {
   type Assumptions,

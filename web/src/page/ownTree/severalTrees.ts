@@ -1,5 +1,4 @@
 /** Imports and computes all trees of a file, each as an upload of its own, and shows the progress of each. */
-import "./severalTrees.css";
 import { ProgressBar } from "../progress/progressBar";
 import { faultOf } from "../progress/progressCards";
 import {

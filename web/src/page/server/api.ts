@@ -35,6 +35,13 @@ export class Problem extends Error {
   }
 }
 
+/** The server did not answer. */
+export class Disconnected extends Problem {
+  constructor() {
+    super("The server is not connected.", "Check that it is running, then try again.");
+  }
+}
+
 const text = (value: unknown, fallback: string) => (typeof value === "string" && value ? value : fallback);
 
 /** The problem in a response; other bodies, such as a proxy's HTML page, give a generic message. */
@@ -57,6 +64,9 @@ export function useKeys(ring: KeyRing): void {
   keys = ring;
 }
 
+/** A server that has not said that it is well after this time is gone. */
+const ANSWERS_WITHIN_MS = 8000;
+
 type Send = (path: string, init: RequestInit) => Promise<Response>;
 
 async function send(
@@ -71,7 +81,7 @@ async function send(
     return await by(path, { ...init, headers });
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new Problem("The server cannot be reached.", "Check that it is running, then try again.");
+    throw new Disconnected();
   }
 }
 
@@ -172,6 +182,11 @@ export const pictureUrl = (jobId: string, name: string, sha256: string) =>
 /** Ends a build. What it has published so far is kept. */
 export async function cancelJob(jobId: string): Promise<void> {
   await fetchApi(`api/jobs/${encodeURIComponent(jobId)}/cancel`, { method: "POST" });
+}
+
+/** Rejects with a Problem unless a server with a service is connected. */
+export async function findService(): Promise<void> {
+  await fetchApi("healthz", { signal: AbortSignal.timeout(ANSWERS_WITHIN_MS) });
 }
 
 export const tableUrl = (sha256: string) => `api/tables/${sha256}`;

@@ -3,6 +3,8 @@
 import { tool } from "../controls/tools";
 import type { World } from "../forest/world";
 import { canBeShared } from "../inventory/inventoryPlanting";
+import { findService } from "../server/api";
+import { withServer } from "../server/connected";
 import { type Moment, shareQuery } from "../settings/link";
 import { withShared } from "../settings/sharedForest";
 import type { Store } from "../store/store";
@@ -31,7 +33,7 @@ async function copy(text: string, title: string, hint: string): Promise<void> {
 
 export class Sharing {
   readonly tools = [
-    tool("share", "Share this forest", () => this.share()),
+    tool("share", "Share this forest", () => void this.share()),
     tool("link", "Copy link", () => {
       history.replaceState(null, "", this.link);
       void copy(this.link, "Link copied", "It restores this forest, wind, light and view.");
@@ -69,11 +71,14 @@ export class Sharing {
   }
 
   /** Shares the forest if it is private, and copies its link. */
-  private share(): void {
+  private async share(): Promise<void> {
     const { state } = this.store;
     if (state.share === null && !canBeShared(this.store)) return;
-    state.share ??= newId();
-    this.copyShared();
+    await withServer("This forest is not shared.", async () => {
+      await findService();
+      state.share ??= newId();
+      this.copyShared();
+    });
   }
 
   private embed(): void {

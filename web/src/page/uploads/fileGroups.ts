@@ -1,5 +1,7 @@
 /** Which of the chosen or dropped files belong together: a mesh with its buffers and textures becomes one ZIP archive. */
 
+import { loadPart } from "../server/connected";
+
 /** A file and its path, which for dropped folders begins with the folder's name. */
 export interface Chosen {
   readonly path: string;
@@ -25,7 +27,7 @@ export async function uploadOf(group: readonly Chosen[]): Promise<File> {
   const [first] = group;
   if (!first) throw new Error("an empty group");
   if (group.length === 1) return first.file;
-  const { zipSync } = await import("three/examples/jsm/libs/fflate.module.js");
+  const { zipSync } = await loadPart(() => import("three/examples/jsm/libs/fflate.module.js"));
   const entries: Record<string, [Uint8Array, { level: 0 | 1 }]> = {};
   for (const { path, file } of group) {
     entries[path] = [new Uint8Array(await file.arrayBuffer()), { level: PACKED_PATTERN.test(path) ? 0 : 1 }];

@@ -1,5 +1,4 @@
 /** Shows a file on its way to the server, with the remaining time; closing the dialog ends the upload. */
-import "../ownTree/ownTree.css";
 import { ProgressBar } from "../progress/progressBar";
 import { type ReportedTree, uploadTree } from "../server/api";
 import { make, makeButton } from "../ui/dom";

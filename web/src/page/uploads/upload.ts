@@ -1,6 +1,10 @@
 /** Uploads of trees, chosen with the button or dropped anywhere on the page. */
+import "../ownTree/ownTree.css";
+import "../ownTree/painting/painting.css";
+import "../ownTree/severalTrees.css";
 import type { DataFiles } from "../files/dataFiles";
-import { Problem } from "../server/api";
+import type { ReportedTree } from "../server/api";
+import { loadPart, withServer } from "../server/connected";
 import { element } from "../ui/dom";
 import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
@@ -8,9 +12,12 @@ import { type Chosen, chosenFiles, droppedFiles, grouped, uploadOf } from "./fil
 import type { OwnUploads } from "./ownUploads";
 import { sendFile } from "./sendingDialog";
 
-async function send(file: File, uploads: OwnUploads): Promise<void> {
-  try {
-    const tree = await sendFile(file);
+/** Sends the files of a tree. They are kept until they have arrived. */
+async function send(group: readonly Chosen[], uploads: OwnUploads): Promise<void> {
+  const names = group.map(({ file }) => file.name).join(", ");
+  let tree: ReportedTree | null = null;
+  await withServer(`${names} was not uploaded; the page keeps it.`, async () => {
+    tree ??= await sendFile(await uploadOf(group));
     if (!tree) return;
     if (tree.state !== "uploaded" && tree.state !== "failed") {
       uploads.add(tree.id, false);
@@ -21,19 +28,16 @@ async function send(file: File, uploads: OwnUploads): Promise<void> {
       );
       return;
     }
-    const { OwnTreeDialog } = await import("../ownTree/dialog");
+    const { OwnTreeDialog } = await loadPart(() => import("../ownTree/dialog"));
     await new OwnTreeDialog(tree, uploads).open();
-  } catch (error) {
-    if (!(error instanceof Problem)) throw error;
-    showToast(error.title, error.hint);
-  }
+  });
 }
 
 /** Shows the dialogs one after another. Textures and buffers are sent with their mesh. */
 async function sendInTurn(files: readonly Chosen[], uploads: OwnUploads, data: DataFiles): Promise<void> {
   const trees: Chosen[] = [];
   for (const one of files) if (!(await data.take(one.file))) trees.push(one);
-  for (const group of grouped(trees)) await send(await uploadOf(group), uploads);
+  for (const group of grouped(trees)) await send(group, uploads);
 }
 
 export function acceptUploads(uploads: OwnUploads, data: DataFiles): void {

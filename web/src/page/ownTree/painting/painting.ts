@@ -1,5 +1,4 @@
 /** Painting in the dialog of an upload: fetches all pieces, and turns strokes into choices. */
-import "./painting.css";
 import type { PreviewStage } from "../../../scene/previewStage";
 import { fetchPieces } from "../../server/api";
 import { make } from "../../ui/dom";

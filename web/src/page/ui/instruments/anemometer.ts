@@ -1,5 +1,6 @@
 /** The anemometer: its position, its measurements and their plots. */
 import type { WindField } from "galewood/wind";
+import { loadPart, withServer } from "../../server/connected";
 import { make, makeButton } from "../dom";
 import type { Plots } from "./plots";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "./recorder";
@@ -33,7 +34,7 @@ export class Anemometer {
     this.z[0] = z;
     this.recorder.clear();
     this.element.hidden = false;
-    void this.loadPlots();
+    void withServer("The plots are not shown.", () => this.loadPlots());
     this.recordPast(field, time_s);
   }
 
@@ -50,7 +51,7 @@ export class Anemometer {
   /** Loads the plotting library on first use. */
   private async loadPlots(): Promise<void> {
     if (this.plots) return;
-    const drawn = await import("./plots");
+    const drawn = await loadPart(() => import("./plots"));
     this.plots ??= new drawn.Plots(this.paper);
   }
 

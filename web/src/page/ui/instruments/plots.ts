@@ -1,6 +1,5 @@
 /** The anemometer's two plots: wind speed and tip displacement over time, and the spectrum of the speed. */
 import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
 import { make } from "../dom";
 import { kolmogorovLine, powerSpectrum } from "./powerSpectrum";
 import { RATE_HZ, type Recorder } from "./recorder";
