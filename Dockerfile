@@ -11,6 +11,7 @@ COPY web/player/package.json web/player/package.json
 COPY tools/species/package.json tools/species/package.json
 RUN npm ci --no-audit --no-fund
 COPY web web
+COPY docs/images/storm.webp docs/images/storm.webp
 WORKDIR /app/web
 RUN npm run build && npm run build:player
 

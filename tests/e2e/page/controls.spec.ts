@@ -46,12 +46,12 @@ test("changes of wind and settings can be undone and redone", async ({ page }) =
 test("the first hint is shown once, until the first action", async ({ page }) => {
   await page.setViewportSize({ width: 800, height: 450 });
   await open(page, panelled);
-  await expect(page.getByText("Drag the arrow. Click a tree.")).toBeVisible();
+  await expect(page.getByText("Drag the arrow. Click a tree. Pull a branch.")).toBeVisible();
   await page.locator("#title").click({ force: true });
-  await expect(page.getByText("Drag the arrow. Click a tree.")).toBeHidden();
+  await expect(page.getByText("Drag the arrow. Click a tree. Pull a branch.")).toBeHidden();
   await open(page, panelled);
   await forest(page);
-  await expect(page.getByText("Drag the arrow. Click a tree.")).toBeHidden();
+  await expect(page.getByText("Drag the arrow. Click a tree. Pull a branch.")).toBeHidden();
 });
 
 test("exaggerated motion is labelled, and leaves the figures as they are", async ({ page }) => {

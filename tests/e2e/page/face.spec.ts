@@ -46,6 +46,18 @@ test.describe("pictures", () => {
     expect(share(noon, await scene("summer", 0.5), 8)).toBeLessThan(0.02);
   });
 
+  test("a night in a storm is moonlit, not black", async ({ page }) => {
+    await open(page, `${SMALL}&speed=20&season=summer&time=1.2`);
+    await forest(page);
+    const { data } = await picture(page);
+    let sum = 0;
+    for (let i = 0; i < data.length; i += 4) sum += 0.2126 * data[i] + 0.7152 * data[i + 1] + 0.0722 * data[i + 2];
+    const mean = sum / (data.length / 4);
+    console.log(`mean luminance ${mean.toFixed(0)} of 255`);
+    expect(mean).toBeGreaterThan(25);
+    expect(mean).toBeLessThan(130);
+  });
+
   test("a shared link restores the picture", async ({ page, context }) => {
     await page.setViewportSize({ width: 480, height: 270 });
     await context.grantPermissions(["clipboard-read", "clipboard-write"]);
@@ -117,6 +129,21 @@ test("a forest is shared by a winter computed here and a winter streamed by the 
   await other.close();
 });
 
+test("without WebGL a card explains why there is no forest, and shows a film of it", async ({ page }) => {
+  await page.addInitScript(() => {
+    const context = HTMLCanvasElement.prototype.getContext as (kind: string, ...more: unknown[]) => RenderingContext | null;
+    HTMLCanvasElement.prototype.getContext = function none(this: HTMLCanvasElement, kind: string, ...more: unknown[]) {
+      return kind === "webgl2" ? null : context.call(this, kind, ...more);
+    } as typeof HTMLCanvasElement.prototype.getContext;
+  });
+  await open(page, "");
+  const card = page.getByRole("region", { name: "This browser cannot draw the forest" });
+  await expect(card).toContainText("hardware acceleration");
+  const width_px = () => card.getByRole("img").evaluate((film: HTMLImageElement) => film.naturalWidth);
+  await expect.poll(width_px).toBeGreaterThan(100);
+  await expect(page.locator("#hud")).toBeHidden();
+});
+
 test("settings persist between visits", async ({ page }) => {
   await open(page, "quality=low&trees=5&speed=0&background=0");
   await forest(page);
@@ -148,6 +175,10 @@ test.describe("on a wide page", () => {
       await page.getByRole("button", { name: "Settings" }).click();
       expect(await faults()).toEqual([]);
       await page.getByRole("button", { name: "Settings" }).click();
+      await page.getByRole("button", { name: "About" }).click();
+      await expect(page.getByRole("dialog", { name: "About Galewood" })).toContainText("full simulation");
+      expect(await faults()).toEqual([]);
+      await page.keyboard.press("Escape");
       if (width < 760) await page.getByRole("button", { name: "Tools" }).click();
       await page.getByRole("button", { name: "Tree physics" }).click();
       await expect(page.getByRole("dialog")).toContainText("First natural frequency");

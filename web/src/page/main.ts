@@ -1,17 +1,19 @@
+import "uplot/dist/uPlot.min.css";
 import "./ui/instruments/instruments.css";
 import "./uploads/uploads.css";
 import { openPage } from "./app";
+import { connectAbout } from "./controls/about";
 import { showHint } from "./controls/hint";
 import { connectSheets } from "./controls/sheets";
 import { DataFiles } from "./files/dataFiles";
 import { detectGraphics } from "./forest/graphics";
+import { showNoGraphics } from "./noGraphics";
 import { exposeProbe } from "./probe";
-import { defaultsFor, settingsFromQuery } from "./settings/settings";
+import { defaultsFor, LIMITS, settingsFromQuery, treesBeyond } from "./settings/settings";
 import { sharedFrom } from "./settings/sharedForest";
 import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
 import { Store } from "./store/store";
-import { element } from "./ui/dom";
 import { showToast } from "./ui/toast";
 import { OwnUploads } from "./uploads/ownUploads";
 import { acceptUploads } from "./uploads/upload";
@@ -28,6 +30,17 @@ function checkWind(): void {
   }
 }
 
+/** Says so if the link asks for more trees than are planted. */
+function checkTrees(): void {
+  const asked = treesBeyond(location.search);
+  if (asked === null) return;
+  const most = LIMITS.trees.max.toLocaleString("en");
+  showToast(
+    `This forest has ${most} trees.`,
+    `The link asks for ${asked.toLocaleString("en")}; the page plants at most ${most}.`,
+  );
+}
+
 function start(software: boolean): void {
   const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
   const defaults = defaultsFor(screen);
@@ -39,6 +52,7 @@ function start(software: boolean): void {
   document.body.classList.toggle("bare", !settings.panel);
   document.body.classList.toggle("embedded", settings.embed);
   checkWind();
+  checkTrees();
   connectSheets(settings.panel);
   const page = openPage(new Store(settings, defaults, location.search), uploads, files);
   exposeProbe(page);
@@ -59,6 +73,8 @@ function afterPaint(then: () => void): void {
   setTimeout(once, 300);
 }
 
+connectAbout();
+
 // Accept files from the start: otherwise the browser would navigate to a dropped file.
 acceptUploads(uploads, files);
 
@@ -66,5 +82,5 @@ acceptUploads(uploads, files);
 afterPaint(() => {
   const graphics = detectGraphics();
   if (graphics.webgl2) start(graphics.software);
-  else element("no-webgl").hidden = false;
+  else showNoGraphics();
 });

@@ -2,9 +2,9 @@
 import { element, PHONE_PAGE } from "../ui/dom";
 
 const STORAGE_KEY = "galewood.hint";
-const WIDE_HINT = "Drag the arrow. Click a tree.";
+const WIDE_HINT = "Drag the arrow. Click a tree. Pull a branch.";
 /** On a phone the arrow is behind a button. */
-const PHONE_HINT = "Tap a tree. “Wind” has an arrow to drag.";
+const PHONE_HINT = "Tap a tree. Pull a branch. “Wind” has an arrow to drag.";
 
 type Shelf = Pick<Storage, "getItem" | "setItem">;
 

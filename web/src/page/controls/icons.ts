@@ -17,7 +17,6 @@ const PATHS = {
   share: "M9 11a3 3 0 1 0 0-6 3 3 0 0 0 0 6Z M3.500 19c0-3 2.500-5 5.500-5s5.500 2 5.500 5 M18 8v6 M15 11h6",
   embed: "M8 8l-4 4 4 4 M16 8l4 4-4 4 M13.500 6l-3 12",
   sound: "M4 10v4h3l4 4V6L7 10Z M15 9.500a4 4 0 0 1 0 5 M17.500 7a7.500 7.500 0 0 1 0 10",
-  more: "M5 12h.01 M12 12h.01 M19 12h.01",
 } as const;
 
 export type IconName = keyof typeof PATHS;

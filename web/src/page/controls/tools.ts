@@ -1,13 +1,31 @@
-/** Buttons of the toolbar: an icon, and words for screen readers and the menu of a phone. */
+/** Buttons of the toolbar: an icon with a short name, in the menu of a narrow page with all its words. */
 import { effect } from "@preact/signals-core";
 import { make, makeButton } from "../ui/dom";
 import { type IconName, icon } from "./icons";
+
+/** What stands below each icon of the toolbar. */
+const SHORT: Record<IconName, string> = {
+  pause: "Pause",
+  views: "Views",
+  fly: "Fly",
+  link: "Link",
+  photo: "Photo",
+  film: "Video",
+  full: "Full screen",
+  trees: "Physics",
+  compare: "Accuracy",
+  undo: "Undo",
+  redo: "Redo",
+  share: "Share",
+  embed: "Embed",
+  sound: "Sound",
+};
 
 export function tool(name: IconName, words: string, pressed: () => void): HTMLButtonElement {
   const made = makeButton("", pressed, "tool");
   made.title = words;
   made.setAttribute("aria-label", words);
-  made.append(icon(name), make("span", words));
+  made.append(icon(name), make("span", words, "words"), make("span", SHORT[name], "short"));
   return made;
 }
 
