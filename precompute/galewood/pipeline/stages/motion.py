@@ -46,7 +46,7 @@ class ModelledTree:
     options: BuildOptions
 
     def table(self, stage: TableStage) -> DefaultPart:
-        """Fit a table to the runs of its stage; the weights of one that is replaced soon are smoothed less."""
+        """Fit a table to its stage's runs; the weights of one that is replaced soon are smoothed less."""
         samples = stage.samples(self.samples)
         training = self.model.training(samples.default_runs(), self.options.modes)
         effort = THOROUGH_SMOOTHING if stage is TableStage.COMPLETE else QUICK_SMOOTHING
