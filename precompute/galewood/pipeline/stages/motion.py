@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,7 @@ class ModelledTree:
     options: BuildOptions
 
     def table(self, stage: TableStage) -> DefaultPart:
-        """Fit a table to its stage's runs; the weights of one that is replaced soon are smoothed less."""
+        """Fit a table to the runs of its stage. One that is replaced soon has its weights smoothed less."""
         samples = stage.samples(self.samples)
         training = self.model.training(samples.default_runs(), self.options.modes)
         effort = THOROUGH_SMOOTHING if stage is TableStage.COMPLETE else QUICK_SMOOTHING
@@ -152,16 +153,18 @@ def fit_table(simulated: SimulatedTree, context: BuildContext) -> FittedTree:
         hashlib.sha256(tree.solid.imported.render_glb).hexdigest(),
         context.options.model_dump(mode="json"),
     )
-    fit = kept_fit(path)
-    if fit is None:
-        fit = KeptFit.of(tree.table(TableStage.COMPLETE))
-        keep_fit(path, fit)
-    compliance = compliance_file(
-        tree.model.fem,
-        tree.solid.surface.embedding,
-        hashlib.sha256(tree.solid.imported.render_glb).hexdigest(),
-    )
-    fitted = FittedTree(tree, fit.part, fit.table, compliance)
+    with ThreadPoolExecutor(1) as beside:  # compiled code for the most part, which lets the fit go on
+        compliance = beside.submit(
+            compliance_file,
+            tree.model.fem,
+            tree.solid.surface.embedding,
+            hashlib.sha256(tree.solid.imported.render_glb).hexdigest(),
+        )
+        fit = kept_fit(path)
+        if fit is None:
+            fit = KeptFit.of(tree.table(TableStage.COMPLETE))
+            keep_fit(path, fit)
+    fitted = FittedTree(tree, fit.part, fit.table, compliance.result())
     context.on_table(fitted.result(context))
     return fitted
 

@@ -109,7 +109,7 @@ def _factor_pattern(n: int, pairs: Int32s) -> tuple[Int32s, Int32s]:
 
 @numba.njit(**JIT)
 def _merged_columns(bounds: Int32s, high: Int32s) -> tuple[Int32s, Int32s]:
-    """Pointer (n + 1,) and rows, ascending in each column; column k has edges bounds[k] … bounds[k + 1]."""
+    """Pointer (n + 1,) and rows, ascending in each column; ``bounds`` (n + 1,) of those of ``high``."""
     n = len(bounds) - 1
     pointer, rows = np.zeros(n + 1, np.int32), np.empty(n + 4 * len(high), np.int32)
     child, sibling, seen = np.full(n, -1), np.full(n, -1), np.full(n, -1)

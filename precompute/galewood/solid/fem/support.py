@@ -106,7 +106,8 @@ class _Bearing:
         borne = borne_load_factor(load)
         thin_mass, whole = self._thin_mass(load, borne), 1.0
         limbs = self.factor.copy()
-        modes = self._modes(thin_mass)
+        if thin_mass < 1:
+            modes = self._modes(thin_mass)
         for _ in range(MAX_ROUNDS):  # one is enough, unless the tree stands on a root plate that yields
             excess = self._of_the_tree(modes) / borne if borne else 0.0
             if excess <= 1 + 2 * LOAD_TOLERANCE:
