@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, eye_array
 from scipy.sparse.linalg import splu
 
-from galewood.util import Floats, Int32s
+from galewood.util import Floats, Int32s, Ints
 
 JIT: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
@@ -108,8 +108,8 @@ def _factor_pattern(n: int, pairs: Int32s) -> tuple[Int32s, Int32s]:
 
 
 @numba.njit(**JIT)
-def _merged_columns(bounds: Int32s, high: Int32s) -> tuple[Int32s, Int32s]:
-    """Pointer (n + 1,) and rows, ascending in each column; ``bounds`` (n + 1,) of those of ``high``."""
+def _merged_columns(bounds: Ints, high: Int32s) -> tuple[Int32s, Int32s]:
+    """Pointer (n + 1,) and rows, ascending in each column; ``bounds`` (n + 1,) divide ``high``."""
     n = len(bounds) - 1
     pointer, rows = np.zeros(n + 1, np.int32), np.empty(n + 4 * len(high), np.int32)
     child, sibling, seen = np.full(n, -1), np.full(n, -1), np.full(n, -1)
