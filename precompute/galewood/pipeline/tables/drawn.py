@@ -25,20 +25,22 @@ HEADING_COUNT = 4
 STRONG_M_S = 30.0
 """Mean speed of the wind whose farthest sways are scaled to the sway of the figures."""
 PLAYED_FRAMES = 150
-PULLED_POINTS, PULLS_PER_POINT = 6, 2
+PULLS_PER_POINT = 2
 LOWEST_PULL = 0.3
 """Height above which points are pulled, relative to that of the tree."""
 
 
 @dataclass(frozen=True)
 class PoseChoice:
-    """The first of the headings, degrees, and the seed of the wind and of the pulled points."""
+    """The first of the headings, degrees, the seed of the wind and of the pulled points, and their number."""
 
     heading_deg: float
     seed: int
+    pulled_points: int = 6
 
 
-FITTED_POSES, CHECKED_POSES = PoseChoice(0.0, 11), PoseChoice(25.0, 12)
+FITTED_POSES, CHECKED_POSES = PoseChoice(0.0, 11, pulled_points=24), PoseChoice(25.0, 12)
+"""Weights are smoothed for pulls at many points, as a pull bends the limb that is pulled and few others."""
 
 
 def drawn_poses(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) -> Floats:
@@ -77,7 +79,9 @@ def _pulled(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) -> lis
     height_m, random = float(table.metadata["height_m"]), np.random.default_rng(choice.seed)
     high = wood[rest_m[wood, 1] > LOWEST_PULL * height_m]
     points = (
-        [int(high[rest_m[high, 1].argmax()]), *random.choice(high, PULLED_POINTS - 1)] if len(high) else []
+        [int(high[rest_m[high, 1].argmax()]), *random.choice(high, choice.pulled_points - 1)]
+        if len(high)
+        else []
     )
     found: list[Floats] = []
     for point in points:

@@ -35,6 +35,10 @@ class AxisPoses:
     moved_m: Floats
     turned: Floats
 
+    def some(self, own: Ints) -> AxisPoses:
+        """Some of the poses."""
+        return AxisPoses(self.moved_m[:, :, own], self.turned[:, :, own])
+
 
 def axis_poses(axis: Axis, basis: Floats, poses: Floats) -> AxisPoses:
     """The poses (k, r) of a model's particles with the modes ``basis`` (N, 3, r), as they are drawn.
@@ -65,6 +69,11 @@ class EdgeMesh:
     ends: Ints
     length_m: Floats
 
+    def stretch(self, place_m: Floats) -> Floats:
+        """(e, k) length of the edges over that at rest, for vertices at place_m (v, k, 3)."""
+        apart = place_m[self.ends[:, 0]] - place_m[self.ends[:, 1]]
+        return np.linalg.norm(apart, axis=2) / self.length_m[:, None]
+
     def around(self, edges: Ints, rings: int) -> Ints:
         """The vertices of some edges, and those that are at most so many edges away."""
         count = len(self.place_m)
@@ -83,15 +92,15 @@ def hardest_poses(
     """Those poses that together stretch the edges most: each adds the most to those before it."""
     if poses.moved_m.shape[2] <= count:
         return poses
-    place = posed_positions(mesh.place_m, *paths.places(bindings), paths, poses)
-    length = np.linalg.norm(place[mesh.ends[:, 0]] - place[mesh.ends[:, 1]], axis=2)
-    excess = np.maximum(length / mesh.length_m[:, None] - 1.0, 0.0) ** COST_POWER  # (e, k)
+    places = paths.places(bindings)
+    each = [poses.some(np.array([k])) for k in range(poses.moved_m.shape[2])]  # one by one: large meshes
+    ratio = [mesh.stretch(posed_positions(mesh.place_m, *places, paths, one))[:, 0] for one in each]
+    excess = np.maximum(np.column_stack(ratio) - 1.0, 0.0) ** COST_POWER  # (e, k)
     covered, chosen = np.zeros(len(excess)), list[int]()
     for _ in range(count):
         chosen.append(int(np.maximum(excess, covered[:, None]).sum(axis=0).argmax()))
         covered = np.maximum(covered, excess[:, chosen[-1]])
-    own = np.unique(chosen)
-    return AxisPoses(poses.moved_m[:, :, own], poses.turned[:, :, own])
+    return poses.some(np.unique(chosen))
 
 
 class StretchMinimisation:

@@ -1,10 +1,15 @@
-"""The gradient of the stretch is that of differences."""
+"""The gradient of the stretch is that of differences; the hardest poses are those that stretch most."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from galewood.solid.skinning.stretch_minimisation import EdgeMesh, StretchMinimisation
+from galewood.solid.skinning.stretch_minimisation import (
+    AxisPoses,
+    EdgeMesh,
+    StretchMinimisation,
+    hardest_poses,
+)
 from galewood.solid.skinning.wood_bindings import welded_primitive
 
 from tests.precompute.solid.skinning.poles import flared
@@ -26,3 +31,13 @@ def test_the_gradient_of_the_cost_is_that_of_differences() -> None:
         step[k] = 1e-5
         difference = (problem.cost(at + step)[0] - problem.cost(at - step)[0]) / 2e-5
         assert gradient[k] == pytest.approx(difference, rel=0.02, abs=1e-3 * np.abs(gradient).max())
+
+
+def test_the_hardest_pose_is_that_of_the_farthest_bend() -> None:
+    axis, wood, pose = flared()
+    welded = welded_primitive(wood)
+    mesh = EdgeMesh(welded.place_m, welded.ends, np.sqrt(welded.squared_m2))
+    shares = np.array([0.2, 1.0, 0.5, 0.0])
+    poses = AxisPoses(pose.moved_m * shares, pose.turned * shares)
+    found = hardest_poses(mesh, axis.nearest(mesh.place_m), axis.paths, poses, 1)
+    np.testing.assert_array_equal(found.turned, pose.turned)
