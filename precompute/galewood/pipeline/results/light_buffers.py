@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Json = dict[str, Any]
-BYTE, UNSIGNED_BYTE, FLOAT = 5120, 5121, 5126
-COMPONENTS = {5123: "<u2", 5125: "<u4", FLOAT: "<f4"}
+GLTF_BYTE, UNSIGNED_BYTE, GLTF_FLOAT = 5120, 5121, 5126
+COMPONENTS = {5123: "<u2", 5125: "<u4", GLTF_FLOAT: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 POSITION_BITS, UV_BITS = 18, 16
 """Bits of a coordinate with its sign; 18 for a tree of 16 to 32 m are steps of 0.24 mm."""
 NORMAL_BITS, NORMAL_STRIDE = 8, 4
-MESHOPT, QUANTIZATION = "EXT_meshopt_compression", "KHR_mesh_quantization"
+MESHOPT_EXTENSION, QUANTIZATION_EXTENSION = "EXT_meshopt_compression", "KHR_mesh_quantization"
 
 
 def glb_parts(glb: bytes) -> tuple[Json, bytes]:
@@ -43,7 +43,7 @@ def packed_glb(document: Json, binary: bytes) -> bytes:
 class CompressedBuffers:
     """Accessors of a document, one after the other, each as a compressed buffer view of its own."""
 
-    EXTENSIONS: ClassVar = (MESHOPT, QUANTIZATION)
+    EXTENSIONS: ClassVar = (MESHOPT_EXTENSION, QUANTIZATION_EXTENSION)
 
     def __init__(self, document: Json, body: bytes) -> None:
         self.binary = b""
@@ -62,7 +62,7 @@ class CompressedBuffers:
                 NORMAL_BITS,
             )
             view = self._view(packed, NORMAL_STRIDE, "OCTAHEDRAL")
-            kind: Json = {"componentType": BYTE, "normalized": True}
+            kind: Json = {"componentType": GLTF_BYTE, "normalized": True}
         elif name.startswith("COLOR"):
             packed = np.round(np.clip(rows, 0, 1) * 255).astype(np.uint8)
             view = self._view(packed, packed.shape[1], None)
@@ -71,7 +71,7 @@ class CompressedBuffers:
             bits = POSITION_BITS if name == "POSITION" else UV_BITS
             packed = meshopt.encode_filter_exp(rows, bits, "SharedComponent")
             view = self._view(packed, 4 * rows.shape[1], "EXPONENTIAL")
-            kind = {"componentType": FLOAT}
+            kind = {"componentType": GLTF_FLOAT}
         old = self._source["accessors"][index]
         self._accessors[index] = {"bufferView": view, "count": len(rows), "type": old["type"]} | kind
         if name == "POSITION":
@@ -82,14 +82,14 @@ class CompressedBuffers:
         corners = self._rows(index)
         stride = corners.dtype.itemsize
         view = self._append(meshopt.encode_gltf_buffer(corners, "TRIANGLES"), len(corners), stride)
-        view["extensions"][MESHOPT] |= {"mode": "TRIANGLES"}
+        view["extensions"][MESHOPT_EXTENSION] |= {"mode": "TRIANGLES"}
         view["target"] = ELEMENT_ARRAY_BUFFER
         old = self._source["accessors"][index]
         self._accessors[index] = old | {"bufferView": len(self._views) - 1}
 
     def document(self) -> Json:
         """Accessors, buffer views and buffers; the second buffer is the one that readers decode into."""
-        fallback = {"byteLength": self._decoded_bytes, "extensions": {MESHOPT: {"fallback": True}}}
+        fallback = {"byteLength": self._decoded_bytes, "extensions": {MESHOPT_EXTENSION: {"fallback": True}}}
         return {
             "accessors": self._accessors,
             "bufferViews": self._views,
@@ -106,7 +106,9 @@ class CompressedBuffers:
 
     def _view(self, rows: NDArray[Any], stride: int, scheme: str | None) -> int:
         view = self._append(meshopt.encode_gltf_buffer(rows, "ATTRIBUTES"), len(rows), stride)
-        view["extensions"][MESHOPT] |= {"mode": "ATTRIBUTES"} | ({"filter": scheme} if scheme else {})
+        view["extensions"][MESHOPT_EXTENSION] |= {"mode": "ATTRIBUTES"} | (
+            {"filter": scheme} if scheme else {}
+        )
         view |= {"byteStride": stride, "target": ARRAY_BUFFER}
         return len(self._views) - 1
 
@@ -124,14 +126,14 @@ class CompressedBuffers:
             "buffer": 1,
             "byteOffset": self._decoded_bytes,
             "byteLength": count * stride,
-            "extensions": {MESHOPT: packed},
+            "extensions": {MESHOPT_EXTENSION: packed},
         }
         self._decoded_bytes += count * stride + -(count * stride) % 4
         self._views.append(view)
         return view
 
     def _bounds(self, view: int, count: int) -> Json:
-        packed = self._views[view]["extensions"][MESHOPT]
+        packed = self._views[view]["extensions"][MESHOPT_EXTENSION]
         content = self.binary[packed["byteOffset"] :][: packed["byteLength"]]
         decoded = meshopt.decode_gltf_buffer(content, count, 12, "ATTRIBUTES", "EXPONENTIAL")
         rows = np.frombuffer(decoded.tobytes(), "<f4").reshape(-1, 3)

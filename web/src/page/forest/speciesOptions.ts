@@ -18,6 +18,7 @@ export function speciesOptions(
     materials: materialsOf({
       anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
       smoothEdges: quality !== "low",
+      relief: quality !== "low",
       gloss: quality === "high",
       surface: seasonal,
       atmosphere: aerialPerspective,

@@ -70,9 +70,29 @@ const WOOD_MAP = /* glsl */ `
 diffuseColor.rgb *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * diffuseColor.g);
 `;
 
+/** Distances (m) up to which bark has its whole relief, and from which on it has none and its picture is not read. */
+const RELIEF_M = [12, 24] as const;
+
+/**
+ * Relief of bark near the eye, in the frame that three.js derives from the gradients of places and texture coordinates. Those of
+ * the picture are taken before the branch, in which they would be undefined.
+ */
+const WOOD_NORMAL = /* glsl */ `
+#ifdef USE_NORMALMAP_TANGENTSPACE
+  float relief = 1.0 - smoothstep(${RELIEF_M[0].toFixed(1)}, ${RELIEF_M[1].toFixed(1)}, length(vViewPosition));
+  vec2 barkRight = dFdx(vNormalMapUv);
+  vec2 barkDown = dFdy(vNormalMapUv);
+  if (relief > 0.0) {
+    vec3 bark = textureGrad(normalMap, vNormalMapUv, barkRight, barkDown).xyz * 2.0 - 1.0;
+    bark.xy *= relief * normalScale;
+    normal = normalize(tbn * bark);
+    diffuseColor.rgb *= mix(1.0, smoothstep(0.2, 1.0, bark.z / length(bark)), 0.5 * relief); // furrows see less of the sky
+  }
+#endif
+`;
+
 /** Snow in patches on surfaces that face the sky. */
 const SNOW_GLSL = /* glsl */ `
-#include <normal_fragment_maps>
 float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
 float lying = smoothstep(0.05, 0.5, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.6)) * uSnow;
 diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
@@ -166,7 +186,7 @@ export function patchColour(
     )
     .replace("#include <map_fragment>", leaves ? LEAF_MAP : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
-    .replace("#include <normal_fragment_maps>", SNOW_GLSL)
+    .replace("#include <normal_fragment_maps>", leaves ? SNOW_GLSL : WOOD_NORMAL + SNOW_GLSL)
     .replace("#include <opaque_fragment>", atmosphere.output)
     .replace("#include <fog_fragment>", "");
   if (leaves)

@@ -29,6 +29,8 @@ type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
 export interface MaterialOptions {
   readonly anisotropy: number;
   readonly smoothEdges: boolean;
+  /** Relief of bark near the eye. */
+  readonly relief: boolean;
   /** Gloss of bark; without it, shading costs about half. */
   readonly gloss: boolean;
   readonly surface: SurfaceUniforms;
@@ -46,6 +48,9 @@ function colourMaterial(
   const cut = leaves && (from.alphaTest > 0 || from.transparent);
   const common = {
     map: sharpen(from.map, options.anisotropy),
+    // Leaves have their relief from the gradient of their picture.
+    normalMap: options.relief && !leaves ? sharpen(from.normalMap, options.anisotropy) : null,
+    normalScale: from.normalScale,
     color: from.color,
     side: leaves ? DoubleSide : FrontSide,
     alphaTest: cut ? ALPHA_TEST : 0,

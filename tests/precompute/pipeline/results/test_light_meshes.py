@@ -21,7 +21,7 @@ from PIL import Image
 
 from tests.precompute.fixtures.shared_tets import small_tree_glb
 
-SPECIES = Path(__file__).parents[3] / "assets" / "species"
+SPECIES = Path(__file__).parents[4] / "assets" / "species"
 SHIPPED, LIGHT = SPECIES / "shipped", SPECIES / LIGHT_FOLDER
 TREES = [(entry["id"], entry["species"]) for entry in json.loads((SPECIES / "species.json").read_bytes())]
 MESHOPT = "EXT_meshopt_compression"
