@@ -21,6 +21,7 @@ function fewSpecies(data: string): string {
     const from = join(path.parentPath, path.name);
     cpSync(from, join(folder, relative(OURS, from)));
   }
+  cpSync(join(OURS, "light"), join(folder, "light"), { recursive: true });
   return folder;
 }
 

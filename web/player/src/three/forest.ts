@@ -61,9 +61,8 @@ const MAX_TEXTURE_SIDE = 4096;
 const absolute = (from: string | URL | ArrayBuffer) =>
   from instanceof ArrayBuffer ? from : new URL(from, document.baseURI).href;
 
-/** To what the addresses of a mesh's pictures are relative. */
-const baseOf = (mesh: string | URL | ArrayBuffer) =>
-  new URL(".", mesh instanceof ArrayBuffer ? document.baseURI : new URL(mesh, document.baseURI)).href;
+/** To what the addresses of a mesh's pictures are relative: its folder, or for contents the page. */
+const baseOf = (mesh: string | URL | ArrayBuffer) => `${absolute(mesh)}`.replace(/[^/?]*(\?.*)?$/, "");
 
 const bytesOf = async (from: string | URL | ArrayBuffer) =>
   from instanceof ArrayBuffer ? from : fileBytes(`${from}`, fetch(from));
