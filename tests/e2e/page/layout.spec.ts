@@ -154,7 +154,7 @@ for (const deviceScaleFactor of [1, 2]) {
         await open(page, `quality=low&trees=3&speed=${speed}&gust=0.9&background=0`);
         await forest(page);
         await page.getByRole("button", { name: "Anemometer" }).click();
-        await page.mouse.click(420, 420);
+        await page.mouse.click(420, 480);
         const labels = () =>
           page.evaluate(() => (window as unknown as { labels: { drawn: number; faults: string[] } }).labels);
         await expect.poll(async () => (await labels()).drawn).toBeGreaterThan(20);

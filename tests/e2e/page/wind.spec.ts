@@ -129,7 +129,7 @@ test.describe("the anemometer", () => {
     await open(page, `${panelled}&${link({ ...steady, gustiness: 0.5 })}`);
     await forest(page);
     await page.getByRole("button", { name: "Anemometer" }).click();
-    await page.mouse.click(560, 440);
+    await page.mouse.click(560, 480);
     await expect.poll(() => page.evaluate(() => window.galewood!.anemometer)).not.toBeNull();
     await elapse(page, 12);
     expect(await page.evaluate(() => window.galewood!.anemometer!.samples)).toBeGreaterThan(100);

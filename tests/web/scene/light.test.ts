@@ -1,8 +1,10 @@
 import { describe, expect, it } from "vitest";
 import { AEROSOL_G, aerosolPhase, skyIrradiance, skyTable, sunlight } from "../../../web/src/scene/sky/atmosphere";
-import { atmosphereAt, clockOf, halfDay_h, hourOf, sunPlace } from "../../../web/src/scene/sky/daytime";
+import { atmosphereAt, clockOf, DAYTIMES, exposureFor, halfDay_h, hourOf, sunPlace, underClouds } from "../../../web/src/scene/sky/daytime";
+import { weatherFor } from "../../../web/src/scene/sky/weather";
 import { SEASON_LOOKS, SEASONS } from "../../../web/src/scene/season/season";
 
+const luminance = ([r, g, b]: readonly number[]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 const DEG = Math.PI / 180;
 const sum = (light: readonly number[]) => light[0] + light[1] + light[2];
 
@@ -73,6 +75,39 @@ describe("time of day", () => {
         expect(Number.isFinite(number) && number >= 0).toBe(true);
       }
     }
+  });
+
+  it("never shows less than a fixed light, at any hour, in any season and below any clouds", () => {
+    for (const season of SEASONS)
+      for (let t = DAYTIMES.min; t <= DAYTIMES.max; t += 0.02) {
+        const clear = atmosphereAt(t, season);
+        for (const speed_m_s of [0, 8, 14, 20, 30]) {
+          const light = underClouds(clear, season, weatherFor(speed_m_s, SEASON_LOOKS[season].clouds), 0);
+          const level = Math.max(0.22, Math.sin(Math.max(0, light.sun.elevation_deg) * DEG));
+          const shown = light.exposure * (0.55 * luminance(light.sunlight) * level + luminance(light.skylight));
+          // At most these shares are taken off in snow and in mist.
+          expect(shown, `${season} ${t.toFixed(2)} ${speed_m_s} m/s`).toBeGreaterThan(0.75 * 0.35 * 0.5);
+          expect(shown).toBeLessThan(3.2);
+        }
+      }
+  });
+
+  it("adapts partly to a dim light and fully to the dimmest", () => {
+    const shown = (light: number, least: number) => light * exposureFor([0, 0, 0], [light, light, light], 0, least);
+    for (const light of [1e-5, 1e-3, 0.01]) expect(shown(light, 0.9)).toBeCloseTo(0.9, 9);
+    const brighter = [0.1, 0.5, 1, 2, 4].map((light) => shown(light, 0.9));
+    for (let k = 1; k < brighter.length; k++) expect(brighter[k]).toBeGreaterThan(brighter[k - 1]);
+  });
+
+  it("has a moon above the forest in every night, whose light is bluer than that of the sun", () => {
+    for (const season of SEASONS)
+      for (const t of [DAYTIMES.min, -0.1, 1.1, DAYTIMES.max]) {
+        const { sun, sunlight } = atmosphereAt(t, season);
+        expect(sun.elevation_deg).toBeGreaterThan(20);
+        expect(sun.elevation_deg).toBeLessThan(60);
+        expect(sunlight[2]).toBeGreaterThan(sunlight[0]);
+        expect(sum(sunlight)).toBeLessThan(0.05 * sum(atmosphereAt(0.5, season).sunlight));
+      }
   });
 
   it("exposes dusk more than noon, but keeps it darker", () => {

@@ -2,8 +2,10 @@
 
 import { parseWind, type WindDocument } from "galewood/wind";
 import type { Season } from "../scene/season/season";
+import { DAYTIMES } from "../scene/sky/daytime";
 import type { Page } from "./app";
 import type { PickedFigures } from "./picking/treePicker";
+import { clampTo } from "./settings/queryNumbers";
 
 interface Probe {
   readonly frame: number;
@@ -34,7 +36,7 @@ interface Probe {
   readonly eye: readonly [number, number, number];
   /** A URL that restores this forest, wind, light and view. */
   readonly link: string;
-  /** Sets season ("spring", "summer", "autumn", "winter") and elapsed share of the daylight. */
+  /** Sets season ("spring", "summer", "autumn", "winter") and elapsed share of the daylight (beyond 0..1: night). */
   dress(season: Season, daytime: number): void;
   /** Stops advancing and drawing, or resumes. */
   sleep(asleep: boolean): void;
@@ -124,7 +126,7 @@ export function exposeProbe(page: Page): void {
     get link() {
       return sharing.link;
     },
-    dress: (season, daytime) => store.change({ season, daytime: Math.min(1, Math.max(0, daytime)) }),
+    dress: (season, daytime) => store.change({ season, daytime: clampTo(DAYTIMES, daytime) }),
     sleep(asleep) {
       state.asleep = asleep;
     },

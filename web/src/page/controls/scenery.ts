@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals-core";
 import { SEASONS, type Season } from "../../scene/season/season";
-import { clockOf } from "../../scene/sky/daytime";
+import { clockOf, DAYTIMES } from "../../scene/sky/daytime";
 import { element, make, makeButton } from "../ui/dom";
 
 /** Signals. */
@@ -20,11 +20,14 @@ const WORDS: Record<Season, string> = {
 
 /** Name of the part of the day. */
 function partOfDay(daytime: number): string {
+  if (daytime < -0.05 || daytime > 1.05) return "night";
+  if (daytime < 0) return "dawn";
   if (daytime < 0.06) return "sunrise";
   if (daytime < 0.36) return "morning";
   if (daytime < 0.6) return "midday";
   if (daytime < 0.86) return "afternoon";
-  return daytime < 0.95 ? "evening" : "sunset";
+  if (daytime < 0.95) return "evening";
+  return daytime <= 1 ? "sunset" : "dusk";
 }
 
 export class SceneryBar {
@@ -52,7 +55,7 @@ export class SceneryBar {
 
   private timeSlider(): HTMLElement {
     const { slider } = this;
-    Object.assign(slider, { type: "range", min: "0", max: "1", step: "0.005" });
+    Object.assign(slider, { type: "range", ...DAYTIMES });
     slider.setAttribute("aria-label", "Time of day");
     slider.addEventListener("input", () => {
       this.scenery.daytime = Number(slider.value);

@@ -7,6 +7,7 @@ import { plainWind } from "galewood/wind";
 import { FORM_CHOICES, type FormChoice } from "../../scene/forms";
 import type { Quality } from "../../scene/quality";
 import { SEASONS, type Season } from "../../scene/season/season";
+import { DAYTIMES } from "../../scene/sky/daytime";
 import { type PlantedTrees, plantedFrom, textOfPlanted } from "./planted";
 import { numberFrom, queryText } from "./queryNumbers";
 import { windFromQuery, withQueryNumbers, writeWind } from "./windQuery";
@@ -35,7 +36,7 @@ export interface Settings {
   /** Pictures per second at most; the motion keeps its speed. */
   frameRateLimit_hz: number;
   season: Season;
-  /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset. */
+  /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset; night beyond (DAYTIMES). */
   daytime: number;
   /** Factor of all displacements on screen; above 1 the motion is exaggerated. */
   exaggeration: number;
@@ -53,7 +54,7 @@ export const LIMITS = {
   density: { min: 0.4, max: 2, step: 0.05 },
   forestSeed: { min: 0, max: 9999, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
-  daytime: { min: 0, max: 1, step: 0.005 },
+  daytime: DAYTIMES,
   exaggeration: { min: 1, max: 4, step: 0.1 },
   frameRateLimit_hz: { min: 5, max: 240, step: 1 },
 } as const;
@@ -152,6 +153,12 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   const season = SEASONS.find((name) => name === given.get("season"));
   if (season) settings.season = season;
   return settings;
+}
+
+/** The number of trees that a query asks for beyond what the page can plant; null if it does not. */
+export function treesBeyond(query: string): number | null {
+  const asked = Number(new URLSearchParams(query).get("trees"));
+  return asked > LIMITS.trees.max ? asked : null;
 }
 
 /** The shortest query that restores these settings: only the differences from the defaults. */

@@ -7,15 +7,24 @@ import { belowClouds, closed, smoothstep, snowShare, type Weather } from "./weat
 const LATITUDE_DEG = 47;
 /** Sunlight above the atmosphere, in the renderer's units. */
 export const SUN_POWER = 5.6;
-/** The ends of the slider are this share of the day before sunrise and after sunset (twilight). */
+/** A daytime of 0 is this share of the day before sunrise, one of 1 as long after sunset. */
 const TWILIGHT_DAY_SHARE = 0.015;
+/** Limits of the daytime: from night to night, in every season. */
+export const DAYTIMES = { min: -0.2, max: 1.2, step: 0.005 } as const;
 /** Height of the clouds, for their lighting. */
 const CLOUDS_M = 2500;
 const RAD_PER_DEG = Math.PI / 180;
 const CLEAR_WEATHER: Weather = { cover: 0, dark: 0, speed_m_s: 0 };
-/** A storm looks darker and hazier than its light alone makes it. */
-const STORM_EXPOSURE = 0.12;
+/** Elevation of the sun below which the moon lights the scene: the afterglow is gone, over half an hour after sunset. */
+const NIGHT_DEG = -5.6;
+/** Light of the moon relative to sunlight: far more than a moon has, and bluer, as the eye sees a night. */
+const MOON_POWER: Rgb = [0.017, 0.022, 0.03];
+/** How much higher the moon stands than opposite the sun, so that it lights the ground. */
+const MOON_RAISE_DEG = 18;
+/** A storm looks hazier than its light alone makes it. */
 const STORM_HAZE = 1.1;
+/** Extinction of the densest morning mist at its base, per metre. */
+const DENSE_MIST = 0.016;
 /** Extinction of driven snow per metre, the same for all colours: visibility of some hundred metres. */
 const SNOW_HAZE = 0.006;
 /** Gain of the light between snow on the ground and a closed cover, which reflect it to and fro. */
@@ -33,7 +42,7 @@ export function halfDay_h(declination_deg: number): number {
   return Math.acos(Math.min(1, Math.max(-1, cosine))) / (15 * RAD_PER_DEG);
 }
 
-/** Hour of the day (solar time) at a share of the daylight: 0 before sunrise, 0.5 noon, 1 after sunset. */
+/** Hour of the day (solar time) at a share of the daylight: 0 before sunrise, 0.5 noon, 1 after sunset; night beyond. */
 export function hourOf(daytime: number, season: Season): number {
   const half = halfDay_h(SEASON_LOOKS[season].declination_deg);
   return 12 + (2 * daytime - 1) * (1 + 2 * TWILIGHT_DAY_SHARE) * half;
@@ -60,6 +69,7 @@ export function sunPlace(daytime: number, season: Season): SunPlace {
 }
 
 export interface Atmosphere {
+  /** Where the light comes from: the sun, at night the moon. */
   readonly sun: SunPlace;
   readonly table: SkyTable;
   /** Sunlight on a surface that faces the sun. */
@@ -69,6 +79,8 @@ export interface Atmosphere {
   /** Sunlight at the clouds. */
   readonly cloudlight: Rgb;
   readonly exposure: number;
+  /** Light that the exposure shows at least, in the unit of `exposureFor`. */
+  readonly shownLight: number;
   /** Extinction per metre. */
   readonly haze: Rgb;
   /** Extinction per metre at the base of the mist. */
@@ -77,25 +89,53 @@ export interface Atmosphere {
 }
 
 const times = (a: Rgb, k: number): Rgb => [a[0] * k, a[1] * k, a[2] * k];
+const product = (a: Rgb, b: Rgb): Rgb => [a[0] * b[0], a[1] * b[1], a[2] * b[2]];
 const plus = (a: Rgb, k: number): Rgb => [a[0] + k, a[1] + k, a[2] + k];
 const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
-/** Partial adaptation: dusk stays darker than noon but visible. */
-function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, snow: number): number {
+/** Least light shown, by day and twilight under any clouds, and at night: pictures are never black. */
+const LEAST_SHOWN = { day: 1.15, night: 0.75 } as const;
+
+/**
+ * Exposure for the light of sun and sky. The adaptation is partial, so that dusk and storms stay darker than noon, down to
+ * the light `least`, below which it is complete.
+ */
+export function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, least: number): number {
   const level = Math.max(0.22, Math.sin(Math.max(0, elevation_deg) * RAD_PER_DEG));
   const light = 0.55 * brightness(sun) * level + brightness(sky);
-  return Math.min(3.6, 1.12 * (2.1 / light) ** 0.66) * (1 - 0.3 * snow);
+  return Math.max(least, 1.12 * light * (2.1 / light) ** 0.66) / light;
 }
+
+/** What is taken off the exposure where everything is white: in snow and in mist. */
+const inWhite = (snow: number, mistiness: number) => (1 - 0.65 * snow) * (1 - 0.5 * mistiness);
+
+/** A full moon, opposite the sun but higher. */
+const moonPlace = ({ azimuth_deg, elevation_deg }: SunPlace): SunPlace => ({
+  azimuth_deg: (azimuth_deg + 180) % 360,
+  elevation_deg: MOON_RAISE_DEG - elevation_deg,
+});
+
+/** A table in the light of the moon. */
+const moonlit = (table: SkyTable): SkyTable => ({
+  ...table,
+  light: table.light.map((value, k) => value * MOON_POWER[k % 3]),
+});
 
 /** Computes the lighting of one moment below a clear sky; takes several milliseconds. */
 export function atmosphereAt(daytime: number, season: Season): Atmosphere {
   const look = SEASON_LOOKS[season];
-  const sun = sunPlace(daytime, season);
+  const day = sunPlace(daytime, season);
+  const night = day.elevation_deg < NIGHT_DEG;
+  const sun = night ? moonPlace(day) : day;
   const elevation = sun.elevation_deg * RAD_PER_DEG;
-  const table = skyTable(elevation, look.haziness);
-  const direct = times(sunlight(0, Math.sin(elevation), look.haziness), SUN_POWER);
+  const clearTable = skyTable(elevation, look.haziness);
+  const table = night ? moonlit(clearTable) : clearTable;
+  const power: Rgb = night ? times(MOON_POWER, SUN_POWER) : [SUN_POWER, SUN_POWER, SUN_POWER];
+  const at = (height_m: number) => product(sunlight(height_m, Math.sin(elevation), look.haziness), power);
+  const direct = at(0);
   const clear = times(skyIrradiance(table, elevation), SUN_POWER);
-  const cloudlight = times(sunlight(CLOUDS_M, Math.sin(elevation), look.haziness), SUN_POWER);
+  const cloudlight = at(CLOUDS_M);
+  const shownLight = night ? LEAST_SHOWN.night : LEAST_SHOWN.day;
   const morning = 1 - smoothstep(0.1, 0.34, daytime);
   const dusk = smoothstep(0.9, 1, daytime);
   return {
@@ -104,9 +144,10 @@ export function atmosphereAt(daytime: number, season: Season): Atmosphere {
     sunlight: direct,
     skylight: clear,
     cloudlight,
-    exposure: exposureFor(direct, clear, sun.elevation_deg, look.snow),
+    exposure: exposureFor(direct, clear, sun.elevation_deg, shownLight),
+    shownLight,
     haze: times([0.00042, 0.0006, 0.00092], 0.75 + 0.35 * look.haziness + 0.9 * morning + 0.3 * dusk),
-    mist: 0.016 * look.mist * morning,
+    mist: DENSE_MIST * look.mist * morning,
     weather: CLEAR_WEATHER,
   };
 }
@@ -118,13 +159,14 @@ export function underClouds(clear: Atmosphere, season: Season, weather: Weather,
   const { snow } = SEASON_LOOKS[season];
   const below = belowClouds({ sunlight: clear.sunlight, skylight }, sine, weather, behind);
   const lit = { ...below, skylight: times(below.skylight, 1 + SNOW_GAIN * snow * closed(weather)) };
-  const base = exposureFor(lit.sunlight, lit.skylight, sun.elevation_deg, snow * (1 - closed(weather)));
+  const misty = mist * (1 - smoothstep(3, 9, weather.speed_m_s));
+  const adapted = exposureFor(lit.sunlight, lit.skylight, sun.elevation_deg, clear.shownLight);
   return {
     ...clear,
     ...lit,
     weather,
-    exposure: base * (1 - STORM_EXPOSURE * weather.dark * closed(weather)),
+    exposure: adapted * inWhite(snow * (1 - 0.5 * closed(weather)), misty / DENSE_MIST),
     haze: plus(times(haze, 1 + STORM_HAZE * weather.dark), SNOW_HAZE * snowShare(weather.speed_m_s, season)),
-    mist: mist * (1 - smoothstep(3, 9, weather.speed_m_s)),
+    mist: misty,
   };
 }
