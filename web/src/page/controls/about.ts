@@ -18,7 +18,7 @@ const LINKS = [
     "https://scholar.google.com/scholar?q=%22Real-time+Physically+Plausible+Simulation+of+Forest%22",
   ],
 ] as const;
-const GUIDE =
+const GUIDE_WORDS =
   "The guide, with physics, formats and measurements, is the folder docs of the source (make docs).";
 
 function link([words, href]: readonly [string, string]): HTMLElement {
@@ -40,7 +40,7 @@ function show(): void {
     makeButton("Close", () => dialog.close()),
   );
   const links = make("ul");
-  links.append(...LINKS.map(link), make("li", GUIDE));
+  links.append(...LINKS.map(link), make("li", GUIDE_WORDS));
   dialog.append(head, ...PARAGRAPHS.map((words) => make("p", words)), links);
   dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);

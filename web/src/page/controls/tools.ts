@@ -4,7 +4,7 @@ import { make, makeButton } from "../ui/dom";
 import { type IconName, icon } from "./icons";
 
 /** What stands below each icon of the toolbar. */
-const SHORT: Record<IconName, string> = {
+const SHORT_WORDS: Record<IconName, string> = {
   pause: "Pause",
   views: "Views",
   fly: "Fly",
@@ -25,7 +25,7 @@ export function tool(name: IconName, words: string, pressed: () => void): HTMLBu
   const made = makeButton("", pressed, "tool");
   made.title = words;
   made.setAttribute("aria-label", words);
-  made.append(icon(name), make("span", words, "words"), make("span", SHORT[name], "short"));
+  made.append(icon(name), make("span", words, "words"), make("span", SHORT_WORDS[name], "short"));
   return made;
 }
 
