@@ -213,7 +213,8 @@ def with_single_lines(bindings: Bindings, middle_m: Floats, wood: WeldedPrimitiv
     along: list[Bindings] = [bindings.take(torn[0])]
     for number in np.unique(piece[wood.ends[across, 0]]).tolist():
         own = np.flatnonzero(piece == number)
-        found = _along_one_line(middle_m[own], bindings.child[own], axis, LINE_DISTANCE * size_m[number])
+        most_m = LINE_DISTANCE * float(size_m[number])
+        found = _along_one_line(middle_m[own], bindings.child[own], axis, most_m)
         if found is not None:
             torn.append(own)
             along.append(found)
