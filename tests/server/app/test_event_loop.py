@@ -48,6 +48,7 @@ class Names:
         given = {
             "tree_id": self.tree_id, "job_id": self.job_id, "name": "skeleton.png", "kind": "pivots",
             "comparison_id": "none", "evaluation_id": "none", "sha256": self.sha256.get(kind, "0" * 64),
+            "file": "none.webp",
         }  # fmt: skip
         return template.format(**given)
 
@@ -227,7 +228,7 @@ def names_of(server: Server, api: httpx.Client) -> Names:
             )  # fmt: skip
     hashes = {
         "tables": tree["table_sha256"], "records": tree["records_sha256"], "meshes": tree["mesh_sha256"],
-        "compliances": tree["compliance_sha256"],
+        "light-meshes": tree["mesh_sha256"], "compliances": tree["compliance_sha256"],
     }  # fmt: skip
     return Names(NAME, tree["job_id"], hashes)
 
