@@ -8,13 +8,14 @@ test("a click selects a tree; its figures follow its motion, and the camera can 
   await page.setViewportSize({ width: 760, height: 428 });
   await open(page, `${SMALL.replace("trees=6", "trees=20")}&speed=14`);
   await forest(page);
-  // Find a tree in the initial view, then move close to it.
+  // Find the nearest tree in the initial view, which no other hides, then move close to it.
   const found = await page.evaluate(() => {
+    let nearest = null;
     for (let x = 10; x < innerWidth; x += 15) {
       const picked = window.galewood!.pick(x, innerHeight * 0.4);
-      if (picked && picked.distance_m < 40) return picked;
+      if (picked && picked.distance_m < (nearest?.distance_m ?? 40)) nearest = picked;
     }
-    return null;
+    return nearest;
   });
   if (!found) throw new Error("no tree in view");
   await page.evaluate(({ position: { x, z }, height_m }) => {
