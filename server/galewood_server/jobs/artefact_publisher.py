@@ -26,8 +26,6 @@ from galewood_server.storage import (
 )
 
 log = logging.getLogger("galewood.job")
-PRELIMINARY_STAGES = {stage.file: stage for stage in TableStage if stage.left_out}
-"""Preliminary tables by the name under which they are published."""
 
 
 class ArtefactPublisher:
@@ -54,8 +52,8 @@ class ArtefactPublisher:
             self._publish_tetrahedra(name, content)
         elif name == RENDER_MESH_FILE:
             self._publish_mesh(content)
-        elif name in PRELIMINARY_STAGES:
-            self._publish_preliminary_table(PRELIMINARY_STAGES[name], content)
+        elif name == TableStage.BEAMS.file:
+            self._publish_first_table(content)
 
     def _publish_picture(self, name: str, picture: bytes) -> None:
         with self._job_lease.sessions.begin() as session:
@@ -82,24 +80,20 @@ class ArtefactPublisher:
                 mark_garbage(session, "meshes", tree.mesh_sha256)
                 tree.mesh_sha256, tree.updated_at = mesh_sha256, utc_now()
 
-    def _publish_preliminary_table(self, stage: TableStage, table: bytes) -> None:
-        """Set a preliminary table unless the tree has a better one."""
+    def _publish_first_table(self, table: bytes) -> None:
+        """Set the first table, unless the tree has one that clients can read."""
         mesh_sha256 = str(read_metadata(table)["mesh_sha256"])
         if not self._stores.meshes.has(mesh_sha256):
             return
         files = no_table() | {"table_sha256": self._stores.tables.put(table), "mesh_sha256": mesh_sha256}
         with self._job_lease.sessions.begin() as session:
             tree = self._tree(session)
-            if self._has_better(tree, stage):
+            if self._is_readable(tree.table_sha256):
                 mark_garbage(session, "tables", files["table_sha256"])
                 return
             replace_files(session, tree, files)
             store_referenced(session, self._stores, "tables", table)
             tree.preliminary, tree.updated_at = True, utc_now()
-
-    def _has_better(self, tree: Tree, stage: TableStage) -> bool:
-        """Whether the tree has a complete table or, in a resumed build, already an early one."""
-        return self._is_readable(tree.table_sha256) and (not tree.preliminary or stage is TableStage.BEAMS)
 
     def _tree(self, session: Session) -> Tree:
         self._job_lease.check(session)

@@ -29,7 +29,7 @@ from galewood.check.evaluation.reference_runs import (
     run_references,
     sway_of,
 )
-from galewood.check.evaluation.source import Source, source_of, stage_of
+from galewood.check.evaluation.source import Source, source_of
 from galewood.check.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.io.cli.commands import app
 from galewood.io.cli.tools import file_writer
@@ -240,17 +240,6 @@ def test_the_source_of_a_table_is_recovered(table: Table, source: Source, refere
     assert left["truncation"] <= left["truncation_and_nodes"] < 0.05 * sway
 
 
-def test_an_early_table_is_evaluated_like_a_complete_one(
-    folder: Path, source: Source, reference: ReferenceRun
-) -> None:
-    table = decode((folder / "early.table").read_bytes())
-    own = source_of(table, folder / "tree.glb", folder / "cache", workers=1)
-    assert own.subspace.modes == table.modes
-    found = compare_methods(table, own, reference)
-    assert set(found) == {"modal", "rest-pose", "floor"}
-    assert found["modal"]["max_error"] < found["rest-pose"]["max_error"]
-
-
 def test_the_error_of_the_projected_reference_solution_is_the_truncation(
     table: Table, source: Source, reference: ReferenceRun
 ) -> None:
@@ -380,11 +369,3 @@ def test_gusts_within_the_crown_are_evaluated_and_scaled_to_a_sway(
     paths = list((tmp_path / "references").iterdir())
     again = evaluate_in_gusts(table, source, options, tmp_path, lambda f, m: None, cases=cases)
     assert again == found and list((tmp_path / "references").iterdir()) == paths
-
-
-def test_a_table_of_an_unknown_stage_is_refused() -> None:
-    table = decode((GOLDEN_FOLDER / "pole.safetensors").read_bytes())
-    provenance = table.metadata["provenance"] | {"stage": "first"}
-    other = replace(table, metadata=table.metadata | {"provenance": provenance})
-    with pytest.raises(SourceError, match="unknown stage, 'first'"):
-        stage_of(other)

@@ -51,9 +51,9 @@ def test_a_torn_table_is_not_published(caplog) -> None:
     with caplog.at_level(logging.INFO, "galewood.build"), WorkerPool(1) as pool:
         publisher = ArtefactPublisher(pool, published.__setitem__)
         publisher.compute("beams.table", lambda: encoded_unless_torn(torn))
-        publisher.publish("early.table", lambda: encoded_unless_torn(whole))
+        publisher.publish("complete.table", lambda: encoded_unless_torn(whole))
         publisher.wait()
-    assert list(published) == ["early.table"]
+    assert list(published) == ["complete.table"]
     assert "stretches edges of the wood to 1.31 times their length" in caplog.text
 
 

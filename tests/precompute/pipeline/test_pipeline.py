@@ -47,15 +47,11 @@ class Built:
     cache: Path
     progress: list[Progress] = field(default_factory=list[Progress])
     out: dict[str, bytes] = field(default_factory=dict[str, bytes])
-    left_at: int = 0
-    """Runs of the default method still missing when the early table was published."""
     default: BuildResult | None = None
     result: BuildResult | None = None
 
     def sampled(self, tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
         for count, task in enumerate(tasks, 1):
-            if "early.table" not in self.out:
-                self.left_at = len(tasks) - count + 1
             run_task(task)
             done(count)
         return [task.path for task in tasks]
@@ -119,20 +115,15 @@ def test_pictures_are_published_during_the_build(built: Built) -> None:
         assert len(built.out[name]) <= 200_000
 
 
-def test_preliminary_tables_precede_the_complete_one(built: Built) -> None:
+def test_a_first_table_precedes_the_complete_one(built: Built) -> None:
     assert built.result and built.default
-    beams, early = (decode(built.out[f"{name}.table"]) for name in ("beams", "early"))
-    complete = decode(built.default.table)
-    assert [name for name in built.out if name.endswith(".table")] == ["beams.table", "early.table"]
-    assert built.left_at > 5
-    for table, stage in ((beams, "beams"), (early, "early"), (complete, "complete")):
+    first, complete = decode(built.out["beams.table"]), decode(built.default.table)
+    assert [name for name in built.out if name.endswith(".table")] == ["beams.table"]
+    for table, stage in ((first, "beams"), (complete, "complete")):
         assert table.metadata["provenance"]["stage"] == stage
         assert table.metadata["mesh_sha256"] == complete.metadata["mesh_sha256"]
         assert table.paper is None
-    for table in (beams, early):
-        assert (
-            table.metadata["provenance"]["preliminary"] is True and table.metadata["provenance"]["left_out"]
-        )
+    assert first.metadata["provenance"]["preliminary"] is True and first.metadata["provenance"]["left_out"]
     assert "preliminary" not in complete.metadata["provenance"]
 
 

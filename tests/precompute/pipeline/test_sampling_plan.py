@@ -1,4 +1,4 @@
-"""Order of the runs of a table: those of the early table come first."""
+"""The runs of a table: winds, order, and which method each belongs to."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -51,39 +51,22 @@ def recording_runner(events: list[str]) -> TrajectoryRunner:
 
 
 def simulated_events(samples: Samples) -> list[str]:
-    """The sequence of events: the winds that are run, and the early table."""
+    """The names of the winds that are run, in order."""
     events: list[str] = []
     shares: list[float] = []
-    simulate(samples, recording_runner(events), shares.append, lambda: events.append("early"))
+    simulate(samples, recording_runner(events), shares.append)
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
     return events
 
 
-def test_the_runs_of_the_early_table_come_first_and_the_paper_s_are_left_for_later(samples: Samples) -> None:
-    first = [task.wind.name for task in samples.first().default]
-    events = simulated_events(samples)
-    assert events.count("early") == 1
-    assert events[: events.index("early")] == first
-    assert {*events} - {"early"} == {task.wind.name for task in samples.default}
-    assert simulated_events(samples) == []
-
-
-def test_a_resumed_build_has_its_early_table_at_once(samples: Samples) -> None:
-    for one in samples.first().default:
+def test_the_missing_runs_of_the_default_method_are_simulated(samples: Samples) -> None:
+    for one in samples.default[::3]:
         one.path.touch()
-    assert simulated_events(samples)[0] == "early"
-
-
-def test_the_first_default_runs_are_about_a_third_at_all_levels_and_some_of_them_stop(
-    samples: Samples,
-) -> None:
-    winds = [task.wind.pressure_pa for task in samples.first().default]
-    assert 6 <= len(winds) < 0.4 * len(samples.default)
-    peaks = sorted(np.linalg.norm(wind, axis=1).max() for wind in winds)
-    assert peaks[0] < 0.7 * peaks[-1]
-    assert {bool(wind[-1].any()) for wind in winds} == {True, False}
-    assert {task.wind.gusts.intensity > 0 for task in samples.first().default} == {True, False}
+    missing = [task.wind.name for task in samples.default if not task.path.exists()]
+    assert simulated_events(samples) == missing
+    assert simulated_events(samples) == []
+    assert not any(task.path.exists() for task in samples.paper)
 
 
 def test_the_default_method_has_no_recorded_states_and_some_gusts(samples: Samples) -> None:

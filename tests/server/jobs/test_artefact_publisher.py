@@ -103,16 +103,16 @@ def build(tmp_path: Path) -> Build:
     return Build(tmp_path)
 
 
-def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> None:
-    early, full = build.table(3.0), build.table(4.0)
+def test_the_first_table_is_replaced_by_the_complete_one(build: Build) -> None:
+    first, full = build.table(1.0), build.table(4.0)
     build.publish("render.glb", MESH)
     assert build.tree.state == "building" and build.stores.meshes.get(known(build.tree.mesh_sha256)) == MESH
-    build.publish("beams.table", build.table(1.0))
-    assert build.tree.state == "preliminary"
-    build.publish("early.table", early)
+    build.publish("beams.table", first)
     assert build.tree.state == "preliminary"
     old = known(build.tree.table_sha256)
-    assert build.stores.tables.get(old) == early
+    assert build.stores.tables.get(old) == first
+    build.publish("beams.table", build.table(2.0))  # of a resumed build
+    assert build.tree.table_sha256 == old
     build.finish(full)
     assert build.tree.state == "ready" and build.stores.tables.get(known(build.tree.table_sha256)) == full
     assert build.stores.models.get(known(build.tree.model_sha256)) == b"model"
@@ -122,18 +122,8 @@ def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> 
     assert build.stores.tables.has(known(build.tree.table_sha256))
 
 
-def test_a_resumed_build_keeps_the_early_table(build: Build) -> None:
-    build.publish("beams.table", build.table(1.0))
-    build.publish("early.table", build.table(3.0))
-    early = build.tree.table_sha256
-    build.publish("beams.table", build.table(1.0))
-    assert build.tree.table_sha256 == early
-    build.publish("early.table", build.table(3.5))
-    assert build.tree.table_sha256 != early
-
-
 def test_the_table_is_ready_before_its_records(build: Build) -> None:
-    build.publish("early.table", build.table(3.0))
+    build.publish("beams.table", build.table(3.0))
     build.default(build.table(4.0))
     tree, job = build.tree, build.job
     assert (tree.state, tree.records_sha256, tree.fingerprint) == ("ready", None, "fingerprint")
@@ -197,7 +187,7 @@ def test_a_preliminary_table_has_no_records(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
     build.next()
-    build.publish("early.table", build.table(2.0))
+    build.publish("beams.table", build.table(2.0))
     assert (build.tree.state, build.tree.records_sha256) == ("preliminary", None)
 
 
@@ -205,7 +195,7 @@ def test_a_preliminary_table_does_not_replace_a_complete_one(build: Build) -> No
     build.finish(build.table(4.0))
     full = build.tree.table_sha256
     build.next()
-    build.publish("early.table", build.table(3.0))
+    build.publish("beams.table", build.table(3.0))
     assert build.tree.table_sha256 == full and build.tree.state == "ready"
     build.collect_garbage()
     assert list(build.stores.tables.names()) == [full]
@@ -214,9 +204,9 @@ def test_a_preliminary_table_does_not_replace_a_complete_one(build: Build) -> No
 def test_a_preliminary_table_replaces_an_unreadable_one(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
-    early = build.table(3.0)
-    build.publish("early.table", early)
-    assert build.stores.tables.get(known(build.tree.table_sha256)) == early
+    first = build.table(3.0)
+    build.publish("beams.table", first)
+    assert build.stores.tables.get(known(build.tree.table_sha256)) == first
 
 
 def test_pictures_are_stored_by_name(build: Build) -> None:
@@ -233,7 +223,7 @@ def test_pictures_are_stored_by_name(build: Build) -> None:
 def test_a_build_without_a_valid_lease_publishes_nothing(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Job).values(lease="another's"))
-    build.publish("early.table", build.table(3.0))
+    build.publish("beams.table", build.table(3.0))
     build.publish("skeleton.png", b"a picture")
     build.finish(build.table(4.0))
     assert build.tree.table_sha256 is None and build.job.pictures == {}

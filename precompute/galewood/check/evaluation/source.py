@@ -25,7 +25,7 @@ from galewood.pipeline.sampling import (
     simulate,
 )
 from galewood.pipeline.stages import TrainingModel
-from galewood.pipeline.tables import TableSettings, TableStage
+from galewood.pipeline.tables import TableSettings
 from galewood.solid.fem import FemModel
 from galewood.solid.skeleton import extract_skeleton, sampled_elements
 from galewood.solid.skinning import points_embedding, render_embedding
@@ -125,20 +125,11 @@ def _training_model(table: Table, model: FemModel, mesh: TetMesh) -> TrainingMod
 
 
 def _simulated(table: Table, model: TrainingModel, cache_dir: Path, workers: int) -> Samples:
-    """The runs of a table; those that it was fitted to exist."""
+    """The runs of a table; those of the default method exist."""
     samples = model.plan(float(table.metadata["design_speed_m_s"]), options_of(table), cache_dir)
     run = partial(run_in_processes, workers=workers)
-    simulate(stage_of(table).samples(samples), run, lambda done: None, lambda: None)
+    simulate(samples, run, lambda done: None)
     return samples
-
-
-def stage_of(table: Table) -> TableStage:
-    """How complete a table is. Raises SourceError for a stage that no build makes."""
-    name = table.metadata["provenance"].get("stage", TableStage.COMPLETE)
-    try:
-        return TableStage(name)
-    except ValueError:
-        raise SourceError(f"this table has an unknown stage, {name!r}: build it again") from None
 
 
 def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
@@ -150,7 +141,7 @@ def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
 def table_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the vertices of the wood, computed as in the build. Raises SourceError."""
     own = _training_model(table, model, mesh)
-    samples = stage_of(table).samples(_simulated(table, own, cache_dir, workers))
+    samples = _simulated(table, own, cache_dir, workers)
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
     training = own.training(samples.default_runs(), settings.modes)
     return output_modes(training, own.mass_kg)[1]

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 UNRECORDED_PREFIXES = tuple(f"{COSINE_PREFIX}{k}-" for k in (0, 2, 4))
 """Cosine winds without which the paper's method errs no more (docs/design/0013-training-runs.md)."""
-FIRST_DEFAULT = slice(0, None, 3)
-"""The early table uses every third run of the default method."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +48,6 @@ class Samples:
     def paper_runs(self) -> list[SampledRun]:
         return [StoredRun(task.path) for task in self.paper]
 
-    def first(self) -> Samples:
-        """The runs of the early table, in the same order."""
-        return Samples(self.default[FIRST_DEFAULT], ())
-
 
 def plan_samples(
     model: FemModel,
@@ -77,25 +71,7 @@ def plan_samples(
     return Samples(own, every if all_winds else recorded)
 
 
-def simulate(
-    samples: Samples,
-    runner: TrajectoryRunner,
-    on_progress: Callable[[float], None],
-    at_first: Callable[[], None],
-) -> None:
-    """Simulate the missing runs of the default method, those of the early table first.
-
-    ``at_first`` is called as soon as the first ones are complete, unless they are the only ones.
-    """
-    first = samples.first()
-    taken = {task.path for task in first.default}
-    others = [task for task in samples.default if task.path not in taken]
-    tasks, waiting = [*first.default, *others], [at_first]
-    frames = [len(task.wind.pressure_pa) for task in tasks]
-
-    def done(number: int) -> None:
-        on_progress(sum(frames[:number]) / sum(frames))
-        if waiting and number < len(tasks) and first.ready:
-            waiting.pop()()
-
-    runner(tasks, done)
+def simulate(samples: Samples, runner: TrajectoryRunner, on_progress: Callable[[float], None]) -> None:
+    """Simulate the missing runs of the default method; ``on_progress`` receives the share of frames done."""
+    frames = [len(task.wind.pressure_pa) for task in samples.default]
+    runner(samples.default, lambda number: on_progress(sum(frames[:number]) / sum(frames)))

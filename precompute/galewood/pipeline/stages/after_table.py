@@ -11,7 +11,7 @@ from galewood.pipeline.sampling import simulate
 from galewood.pipeline.stages.context import BuildContext, runs_as
 from galewood.pipeline.stages.motion import FittedTree, plan_runs
 from galewood.pipeline.stages.stage import Stage
-from galewood.pipeline.tables import TableStage, assemble_records, build_report, has_leaves
+from galewood.pipeline.tables import assemble_records, build_report, has_leaves
 from galewood.solid.model import bind_foliage, build_model, compare_with_reference
 from galewood.table import Records, encode, encode_records
 
@@ -104,8 +104,8 @@ def build_bare_table(recorded: RecordedTree, context: BuildContext) -> BareTable
     solid = replace(in_leaf, lumped=lumped)
     fem = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)
     bare = plan_runs(solid, fem, options, context.cache_dir)
-    simulate(bare.samples, context.runner, lambda share: context.progress.report(0.9 * share), lambda: None)
-    table = bare.table(TableStage.COMPLETE).table
+    simulate(bare.samples, context.runner, lambda share: context.progress.report(0.9 * share))
+    table = bare.table().table
     report = build_report(solid.tree, solid.with_model(fem), bare.wind, table, None, None)
     made = BareTable(encode(table), {name: report[name] for name in BARE_REPORT_KEYS})
     context.artefacts.publish(BARE_TABLE_FILE, lambda: made.table)

@@ -47,7 +47,7 @@ def build_table(
 
     ``source`` is the file, or the tree that it was read as with these options.
     ``publish`` receives "render.glb", "beams.table", "tets-….npz" (the file in the cache), "tetrahedra.png",
-    "skeleton.png", "early.table" and "bare.table" as soon as they exist; ``on_table`` the complete table of
+    "skeleton.png" and "bare.table" as soon as they exist; ``on_table`` the complete table of
     the default method, before the paper's records are computed, and ``on_import`` the tree as soon as it is
     read. ``runner`` simulates the training runs, by default in worker processes on this machine.
     """

@@ -26,13 +26,11 @@ from galewood.pipeline.tables import (
     build_report,
     compliance_file,
     describe,
-    encoded_unless_torn,
     goal_of,
     scaled_to,
 )
 from galewood.solid.fem import FemModel, Simulator
 from galewood.solid.model import unloaded_model
-from galewood.solid.skinning import QUICK_SMOOTHING, THOROUGH_SMOOTHING
 from galewood.table import Records
 
 
@@ -46,14 +44,12 @@ class ModelledTree:
     samples: Samples
     options: BuildOptions
 
-    def table(self, stage: TableStage) -> DefaultPart:
-        """Fit a table to the runs of its stage. One that is replaced soon has its weights smoothed less."""
-        samples = stage.samples(self.samples)
-        training = self.model.training(samples.default_runs(), self.options.modes)
-        effort = THOROUGH_SMOOTHING if stage is TableStage.COMPLETE else QUICK_SMOOTHING
-        part = assemble_default(training, self._context(), effort)
-        stage.mark(part.table)
-        part.table.metadata["provenance"].update(_winds(samples.default))
+    def table(self) -> DefaultPart:
+        """Fit a table to the simulated runs."""
+        training = self.model.training(self.samples.default_runs(), self.options.modes)
+        part = assemble_default(training, self._context())
+        TableStage.COMPLETE.mark(part.table)
+        part.table.metadata["provenance"].update(_winds(self.samples.default))
         return part
 
     def _context(self) -> TableContext:
@@ -132,14 +128,8 @@ def plan_runs(solid: SolidTree, fem: FemModel, options: BuildOptions, cache_dir:
 
 @runs_as(Stage.SAMPLING)
 def simulate_runs(modelled: ModelledTree, context: BuildContext) -> SimulatedTree:
-    """Simulate the training runs of the default method; publish an early table on the way."""
-
-    def publish_early() -> None:
-        context.artefacts.publish(
-            TableStage.EARLY.file, lambda: encoded_unless_torn(modelled.table(TableStage.EARLY).table)
-        )
-
-    simulate(modelled.samples, context.runner, context.progress.report, publish_early)
+    """Simulate the training runs of the default method."""
+    simulate(modelled.samples, context.runner, context.progress.report)
     return SimulatedTree(modelled)
 
 
@@ -162,7 +152,7 @@ def fit_table(simulated: SimulatedTree, context: BuildContext) -> FittedTree:
         )
         fit = kept_fit(path)
         if fit is None:
-            fit = KeptFit.of(tree.table(TableStage.COMPLETE))
+            fit = KeptFit.of(tree.table())
             keep_fit(path, fit)
     fitted = FittedTree(tree, fit.part, fit.table, compliance.result())
     context.on_table(fitted.result(context))

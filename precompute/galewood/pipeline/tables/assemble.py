@@ -84,9 +84,7 @@ def assemble_linear(
     return _drawn_table(motion, {}, of, QUICK_SMOOTHING)
 
 
-def assemble_default(
-    training: ModalTraining, of: TableContext, effort: Effort = THOROUGH_SMOOTHING
-) -> DefaultPart:
+def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
     """The table of the default method, fitted to the training runs."""
     model = fitted(training, of.mass_kg)
     subspace = model.subspace
@@ -98,7 +96,7 @@ def assemble_default(
     q = [subspace.project(run.displacement_m) for run in training.runs]
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
     motion = ModalMotion(model.modal, subspace, q, winds_pa)
-    return DefaultPart(_drawn_table(motion, errors, of, effort), subspace)
+    return DefaultPart(_drawn_table(motion, errors, of, THOROUGH_SMOOTHING), subspace)
 
 
 def assemble_records(
