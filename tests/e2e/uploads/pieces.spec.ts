@@ -108,6 +108,7 @@ test("all trees of a file become uploads, and can be cancelled", async ({ page, 
   const states = async () => Promise.all((await uploads()).map(async ({ job_id }) => (await get(`jobs/${job_id}`)).state));
   const names = async () => (await uploads()).map(({ name }) => name);
   expect(await names()).toEqual(["garden 1", "garden 2"]);
+  await expect(dialog.getByRole("listitem").first()).toContainText("It moves", { timeout: 120_000 });
   await dialog.getByRole("button", { name: "Cancel all" }).click();
   goOn();
   await expect(dialog).toHaveCount(0);

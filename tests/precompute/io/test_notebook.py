@@ -19,7 +19,7 @@ import traitlets
 from galewood import packaged
 from galewood.io.notebook import display
 from galewood.io.notebook.trees import shown_table
-from galewood.motion.wind import PRESETS
+from galewood.motion.wind import PRESETS, parse_wind
 from galewood.table import decode
 
 from tests.golden import GOLDEN_FOLDER
@@ -69,7 +69,7 @@ def test_a_builtin_tree_is_shown_by_its_name(name: str) -> None:
 def test_a_path_and_a_table_are_shown(tmp_path: Path) -> None:
     path, mesh = SHIPPED / "maple-forest.table", SHIPPED / "maple-forest.glb"
     widget = galewood.show(path, trees=12, wind=STILL, height_px=250)
-    assert (widget.trees, widget.height_px, widget.wind) == (12, 250, PRESETS["still"])
+    assert (widget.trees, widget.height_px, widget.wind) == (12, 250, parse_wind(STILL))
     assert (widget.table, widget.mesh) == (path.read_bytes(), mesh.read_bytes())
     (tmp_path / "other.table").write_bytes(path.read_bytes())
     assert galewood.show(str(tmp_path / "other.table"), mesh=mesh).mesh == mesh.read_bytes()
@@ -143,8 +143,8 @@ def test_the_wind_is_set_by_name_object_and_document(widget: Any) -> None:
     assert widget.wind == PRESETS["breeze"]
     for given, wind in (
         ("storm-front", PRESETS["storm-front"]),
-        (STILL, PRESETS["still"]),
-        (json.dumps(STILL), PRESETS["still"]),
+        (STILL, parse_wind(STILL)),
+        (json.dumps(STILL), parse_wind(STILL)),
         (galewood.Wind(mean_speed_m_s=12), galewood.Wind(mean_speed_m_s=12)),
     ):
         widget.wind = given

@@ -21,7 +21,7 @@ from tests.server.support.server_process import FAKE_JOB, FAKE_SERVER, NO_CLUSTE
 
 PACKAGE = "generated_galewood_client"
 # The generator knows text, JSON, forms and application/octet-stream; it must be told to keep others as bytes.
-AS_BYTES = ("application/msgpack", "application/zip", "image/png", "model/gltf-binary")
+AS_BYTES = ("application/msgpack", "application/zip", "image/png", "image/webp", "model/gltf-binary")
 KEY, KEY_HASH = new_key()
 MESH = b"v 0 0 0 of an oak"
 

@@ -188,7 +188,7 @@ export class SeveralTrees {
   private async remove({ tree, found }: Entry): Promise<void> {
     const id = tree?.id ?? (found.taken ? this.host.tree.id : null);
     if (id === null) return;
-    if (this.host.uploads.find(id)) this.host.uploads.onCancel?.(id);
+    if (this.host.uploads.find(id)) this.host.uploads.onCancel?.(id, true);
     else await deleteTree(id).catch(() => {});
   }
 

@@ -18,7 +18,8 @@ import { TreeMark } from "./treeMark";
 export class OwnTrees implements ProgressTools {
   private readonly marks = new Map<string, TreeMark>();
   /** Trees whose computation is being ended. */
-  private readonly ending = new Set<string>();
+  /** Uploads whose computation ends, and whether a tree that moves is removed, too. */
+  private readonly ending = new Map<string, boolean>();
   /** Jobs that the server was asked to end. */
   private readonly asked = new Set<string>();
 
@@ -31,7 +32,7 @@ export class OwnTrees implements ProgressTools {
   ) {
     const { settings, state } = store;
     uploads.onAdded = (id) => this.added(id);
-    uploads.onCancel = (id) => this.cancel(id);
+    uploads.onCancel = (id, whole) => this.cancel(id, whole);
     catalogue.onChange((change) => this.changed(change));
     watch(
       () => [world.placements.value],
@@ -138,9 +139,9 @@ export class OwnTrees implements ProgressTools {
     for (const mark of this.marks.values()) mark.advance();
   }
 
-  /** Ends the computation. A tree that does not move yet is removed, another one keeps its motion. */
-  cancel(id: string): void {
-    this.ending.add(id);
+  /** Ends the computation. A tree that does not move yet is removed, another one keeps its motion unless `whole`. */
+  cancel(id: string, whole = false): void {
+    this.ending.set(id, whole);
     const known = this.catalogue.find(id);
     if (known && isActive(known.job)) this.end(known); // otherwise once the server has announced the job
   }
@@ -152,8 +153,9 @@ export class OwnTrees implements ProgressTools {
       this.asked.add(job.id);
       return;
     }
+    const whole = this.ending.get(tree.id) === true;
     this.ending.delete(tree.id);
-    if (cancelled && !deleted && tree.table_sha256 === null) this.request(deleteTree(tree.id));
+    if (cancelled && !deleted && (whole || tree.table_sha256 === null)) this.request(deleteTree(tree.id));
   }
 
   again(id: string): void {

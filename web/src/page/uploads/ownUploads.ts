@@ -37,8 +37,8 @@ export class OwnUploads {
   private list: OwnUpload[];
   /** Called with the id of a tree that this visitor has just uploaded. */
   onAdded: ((id: string) => void) | null = null;
-  /** Ends the computation of an upload. */
-  onCancel: ((id: string) => void) | null = null;
+  /** Ends the computation of an upload; `whole` removes the tree even if it moves by now. */
+  onCancel: ((id: string, whole?: boolean) => void) | null = null;
   /** Receives the changes of a tree, and null when it starts moving. */
   private readonly watchers = new Map<string, (change: TreeChange | null) => void>();
 
