@@ -51,7 +51,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         table = data_dir / "tables" / sha256[:2] / sha256
         table.parent.mkdir(parents=True)
         table.write_bytes(content)
-    limits = {"GALEWOOD_FOREST_TREES": "2000", "GALEWOOD_SOCKET_STALL_S": "1.5"}
+    limits = {"GALEWOOD_FOREST_TREES": "2000", "GALEWOOD_SOCKET_STALL_S": "6"}
     limits |= {"GALEWOOD_SOCKET_CONNECTIONS_PER_ADDRESS": "4", "GALEWOOD_SOCKET_MESSAGE_BYTES": "100000"}
     server = Server(data_dir, FAKE_SERVER, limits).start()
     yield server
