@@ -78,7 +78,7 @@ describe("clouds follow the wind", () => {
         for (const speed of [0, 5, 9, 14, 30]) {
           const light = underClouds(clear, season, weatherFor(speed, 0.3), 0.5);
           expect(light.exposure).toBeGreaterThan(0);
-          expect(light.exposure).toBeLessThan(100); // of a moonlit night
+          expect(light.exposure).toBeLessThan(1000); // that of a moonlit night is some hundreds
           for (const value of [...light.sunlight, ...light.skylight, ...light.haze]) {
             expect(value).toBeGreaterThanOrEqual(0);
             expect(value).toBeLessThan(20);
