@@ -86,4 +86,14 @@ def test_the_stated_error_in_uniform_winds_is_the_limit_of_the_accuracy_tests() 
 def test_the_stated_time_of_a_step_is_the_measured_one() -> None:
     (time,) = found(r"Play 10,000 trees, each moving on its own, in ([\d to]+ ms) per step", "README.md")
     record = "docs/design/0010-kernel.md"
-    assert found(r"WebAssembly, four oscillators at a time \| ([\d to]+ ms) \|", record) == (time,)
+    assert found(r"WebAssembly, 24 oscillators[^|]*\| ([\d to]+ ms) \|", record) == (time,)
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [r"(\d+ to \d+) %\s+of\s+\[?their sway", r"(?:below|less than) ([\d.]+) % of the(?:ir)? height"],
+)
+def test_the_about_dialog_states_the_errors_of_the_readme(pattern: str) -> None:
+    about = " ".join(re.sub(r'" \+\s*"', "", text_of("web/src/page/controls/about.ts")).split())
+    said = re.search(pattern, about)
+    assert said and said.groups() == found(pattern, "README.md")

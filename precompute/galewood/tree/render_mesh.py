@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import copy
-import json
-import struct
-from typing import Any
 
 import numpy as np
 
 from galewood.formats import SLOTS, Material
 from galewood.tree.types import RenderPrimitive, TreeMesh
-from galewood.util import Floats, Ints
+from galewood.util import (
+    ARRAY_BUFFER,
+    ELEMENT_ARRAY_BUFFER,
+    GLTF_FLOAT,
+    WEBP_EXTENSION,
+    WEBP_MIME,
+    Floats,
+    Ints,
+    Json,
+    packed_glb,
+)
 
-Json = dict[str, Any]
-GLTF_FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
-ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-WEBP_MIME, WEBP_EXTENSION = "image/webp", "EXT_texture_webp"
+UNSIGNED_SHORT, UNSIGNED_INT = 5123, 5125
 DEFAULT_COLOURS = {
     "wood": [0.28, 0.2, 0.14, 1.0],
     "twigs": [0.28, 0.2, 0.14, 1.0],
@@ -87,19 +91,7 @@ class GlbWriter:
             self.document["extensionsUsed"] = sorted(self.extensions)
             self.document["extensionsRequired"] = sorted(self.extensions & {WEBP_EXTENSION})
         document = {k: v for k, v in self.document.items() if v != []}
-        text = json.dumps(document, separators=(",", ":")).encode()
-        text += b" " * (-len(text) % 4)
-        body = bytes(self.binary) + b"\0" * (-len(self.binary) % 4)
-        head = struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + len(body))
-        return b"".join(
-            [
-                head,
-                struct.pack("<I4s", len(text), b"JSON"),
-                text,
-                struct.pack("<I4s", len(body), b"BIN\0"),
-                body,
-            ]
-        )
+        return packed_glb(document, bytes(self.binary))
 
     def _view(self, content: bytes, target: int | None = None) -> int:
         self.binary += b"\0" * (-len(self.binary) % 4)

@@ -5,6 +5,16 @@ from galewood.util.atomic_file import write_arrays, write_atomically
 from galewood.util.cancelled import Cancelled
 from galewood.util.delimited import HEADER_WITHIN, Row, decoded, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
+from galewood.util.glb import (
+    ARRAY_BUFFER,
+    ELEMENT_ARRAY_BUFFER,
+    GLTF_FLOAT,
+    WEBP_EXTENSION,
+    WEBP_MIME,
+    Json,
+    glb_parts,
+    packed_glb,
+)
 from galewood.util.guarded_process import FROZEN_S, AbortedError, GuardedProcess, Lifeline
 from galewood.util.kernel_cache import compile_once, kernels_compiled
 from galewood.util.process_usage import PeakMemory, cpu_seconds
@@ -12,8 +22,13 @@ from galewood.util.text import shown_message, shown_text
 from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [
+    "ARRAY_BUFFER",
+    "ELEMENT_ARRAY_BUFFER",
     "FROZEN_S",
+    "GLTF_FLOAT",
     "HEADER_WITHIN",
+    "WEBP_EXTENSION",
+    "WEBP_MIME",
     "AbortedError",
     "Array",
     "Cancelled",
@@ -22,6 +37,7 @@ __all__ = [
     "Int32s",
     "Int64s",
     "Ints",
+    "Json",
     "Lifeline",
     "MeshError",
     "PeakMemory",
@@ -32,8 +48,10 @@ __all__ = [
     "compile_once",
     "cpu_seconds",
     "decoded",
+    "glb_parts",
     "kernels_compiled",
     "number_of",
+    "packed_glb",
     "rows_of",
     "shown_message",
     "shown_text",

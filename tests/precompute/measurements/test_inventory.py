@@ -261,7 +261,9 @@ def test_columns_can_be_named() -> None:
     rows = b"Ost A;Nord A;Mass\n0;0;12\n8;6;15\n"
     chosen = {"x": "Ost A", "y": "Nord A", "height": "Mass"}
     assert [stem.height_m for stem in read_inventory(rows, columns=chosen).stems] == [12, 15]
-    with pytest.raises(InventoryError, match="no column 'Masse' among 'Ost A', 'Nord A', 'Mass'"):
+    with pytest.raises(
+        InventoryError, match="there is no column 'Masse'; the first row is 'Ost A', 'Nord A', 'Mass'"
+    ):
         read_inventory(rows, columns={**chosen, "height": "Masse"})
     with pytest.raises(InventoryError, match="no column holds 'width': choose from x, y, lon"):
         read_inventory(rows, columns={"width": "Mass"})

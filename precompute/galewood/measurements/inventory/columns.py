@@ -79,6 +79,11 @@ def find_header(rows: list[Row], chosen: Mapping[str, str]) -> tuple[Columns, in
         index = _recognised(row, chosen)
         if _is_enough(index):
             return _columns(row, index), k + 1
+    for name in chosen.values():
+        if not any(name in row.cells for row in rows[:HEADER_WITHIN]):
+            raise InventoryError(
+                f"there is no column {name[:40]!r}; the first row is {_quoted(_first(rows))}"
+            )
     found = recognised_columns(rows, chosen)
     raise InventoryError(
         f"columns are missing. Recognised: {found}. {NEEDED_COLUMNS}"
@@ -93,11 +98,13 @@ def recognised_columns(rows: list[Row], chosen: Mapping[str, str]) -> str:
     index, row = max(found, key=lambda one: len(one[0]), default=({}, None))
     if row is None or not index:
         return ""
-    if missing := [name for what, name in chosen.items() if what not in index]:
-        return f"no column {missing[0]!r} among {_quoted(row.cells)}"
     taken = ", ".join(f"{row.cells[k]!r} as {what}" for what, k in index.items())
     others = [cell for k, cell in enumerate(row.cells) if cell and k not in index.values()]
     return f"{taken}; not recognised: {_quoted(others)}" if others else taken
+
+
+def _first(rows: list[Row]) -> Sequence[str]:
+    return next((row.cells for row in rows if not row.is_comment), ())
 
 
 def _quoted(names: Sequence[str]) -> str:

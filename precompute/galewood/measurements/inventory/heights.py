@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,16 +22,17 @@ class HeightCurve:
 
     species: str
     """As in the file; empty: all species together."""
-    a_per_m: float
-    """Of m^(2/3), with d in m."""
+    a: float
+    """m^(2/3)."""
     b: float
+    """m^(−1/3)."""
     pairs: int
     residual_m: float
     """Root mean square of measured less fitted heights."""
 
     def height_m(self, dbh_m: float) -> float:
         """The height (m) at a diameter (m)."""
-        return BREAST_HEIGHT_M + (dbh_m / (self.a_per_m + self.b * dbh_m)) ** 3
+        return BREAST_HEIGHT_M + (dbh_m / (self.a + self.b * dbh_m)) ** 3
 
 
 def assumed_height_m(dbh_m: float) -> float:
@@ -65,4 +66,4 @@ def _fitted(species: str, pairs: list[tuple[float, float]]) -> HeightCurve | Non
         return None
     curve = HeightCurve(species, float(a), float(b), len(pairs), 0.0)
     left = height_m - np.array([curve.height_m(d) for d in dbh_m])
-    return HeightCurve(species, curve.a_per_m, curve.b, len(pairs), float(np.sqrt(np.mean(left**2))))
+    return replace(curve, residual_m=float(np.sqrt(np.mean(left**2))))

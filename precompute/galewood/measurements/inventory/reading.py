@@ -253,6 +253,7 @@ def _reported(
     curves = fitted_curves((one.species, one.dbh_m, one.height_m) for one in placed if not _is_formless(one))
     stems = tuple(_stem(raw, per_ha, curves) for raw in placed)
     estimated = [raw.species for raw in placed if math.isnan(raw.height_m)]
+    used = {name if name in curves else "" for name in estimated}
     meanings = {
         what: f"{name}: {unit}" if (unit := units.get("x" if what == "y" else what)) else name
         for what, name in columns.names.items()
@@ -270,11 +271,7 @@ def _reported(
         highest_m=max(stem.height_m for stem in stems),
         per_ha=per_ha,
         estimated_heights=len(estimated),
-        height_curves=tuple(
-            curve
-            for name, curve in curves.items()
-            if any((one if one in curves else "") == name for one in estimated)
-        ),
+        height_curves=tuple(curve for name, curve in curves.items() if name in used),
         figures={},
         notes=(),
     )

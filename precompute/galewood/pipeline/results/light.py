@@ -17,16 +17,13 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from PIL import Image
 
-from galewood.pipeline.results.light_buffers import CompressedBuffers, glb_parts, packed_glb
-from galewood.util import write_atomically
+from galewood.pipeline.results.light_buffers import CompressedBuffers
+from galewood.util import WEBP_EXTENSION, WEBP_MIME, Json, glb_parts, packed_glb, write_atomically
 
-Json = dict[str, Any]
 LIGHT_FOLDER, PICTURES_FOLDER, INDEX_FILE = "light", "pictures", "index.json"
-WEBP_MIME, WEBP_EXTENSION = "image/webp", "EXT_texture_webp"
 PICTURE_NAMES = {("wood", "baseColorTexture"): "bark", ("wood", "normalTexture"): "bark-normal"}
 """Material and slot -> name of a picture; others are named by their material."""
 COLOUR_QUALITY, NORMAL_QUALITY = 82, 90

@@ -5,39 +5,21 @@ Sources: EXT_meshopt_compression and KHR_mesh_quantization (Khronos glTF extensi
 
 from __future__ import annotations
 
-import json
-import struct
 from typing import Any, ClassVar
 
 import meshopt
 import numpy as np
 from numpy.typing import NDArray
 
-Json = dict[str, Any]
-GLTF_BYTE, UNSIGNED_BYTE, GLTF_FLOAT = 5120, 5121, 5126
+from galewood.util import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GLTF_FLOAT, Json
+
+GLTF_BYTE, UNSIGNED_BYTE = 5120, 5121
 COMPONENTS = {5123: "<u2", 5125: "<u4", GLTF_FLOAT: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
-ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 POSITION_BITS, UV_BITS = 18, 16
 """Bits of a coordinate with its sign; 18 for a tree of 16 to 32 m are steps of 0.24 mm."""
 NORMAL_BITS, NORMAL_STRIDE = 8, 4
 MESHOPT_EXTENSION, QUANTIZATION_EXTENSION = "EXT_meshopt_compression", "KHR_mesh_quantization"
-
-
-def glb_parts(glb: bytes) -> tuple[Json, bytes]:
-    """Document and binary chunk of a GLB that Galewood has written."""
-    size = struct.unpack_from("<I", glb, 12)[0]
-    return json.loads(glb[20 : 20 + size]), glb[20 + size + 8 :]
-
-
-def packed_glb(document: Json, binary: bytes) -> bytes:
-    """A binary glTF 2.0."""
-    text = json.dumps(document, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    body = binary + b"\0" * (-len(binary) % 4)
-    head = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(body))
-    chunks = (struct.pack("<I4s", len(text), b"JSON"), text, struct.pack("<I4s", len(body), b"BIN\0"), body)
-    return head + b"".join(chunks)
 
 
 class CompressedBuffers:

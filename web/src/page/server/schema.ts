@@ -162,7 +162,7 @@ export interface Schemas {
   /** Petterson's curve h = 1.3 m + (d / (a + b d))³, fitted to measured pairs. */
   HeightCurve: {
     species: string;
-    a_per_m: number;
+    a: number;
     b: number;
     pairs: number;
     residual_m: number;

@@ -17,7 +17,6 @@ import { TreeMark } from "./treeMark";
 
 export class OwnTrees implements ProgressTools {
   private readonly marks = new Map<string, TreeMark>();
-  /** Trees whose computation is being ended. */
   /** Uploads whose computation ends, and whether a tree that moves is removed, too. */
   private readonly ending = new Map<string, boolean>();
   /** Jobs that the server was asked to end. */

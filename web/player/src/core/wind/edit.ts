@@ -1,4 +1,5 @@
 /** Editing wind documents. Pure. */
+import { WIND_PRESETS } from "../constants";
 import type { WindDocument } from "./document";
 
 /** Gusts travel with the mean wind, but at least at this speed, so that a calm has no standing waves. */
@@ -9,15 +10,12 @@ export const gustSpeed_m_s = (mean_m_s: number): number => Math.max(MIN_GUST_SPE
 /** The four numbers that define a plain wind. */
 export type PlainWind = Pick<WindDocument, "mean_speed_m_s" | "direction_deg" | "gustiness" | "seed">;
 
-/** Size of the gusts of a plain wind, m. */
-const PLAIN_LENGTH_SCALE_M = 28;
-
 /** Turbulence, also within the crowns, that travels with the mean wind; all other fields have their defaults. */
 export function plainWind({ mean_speed_m_s, direction_deg, gustiness, seed }: PlainWind): WindDocument {
   return {
     version: 1,
     model: "spectral",
-    length_scale_m: PLAIN_LENGTH_SCALE_M,
+    length_scale_m: WIND_PRESETS.still.length_scale_m,
     convection_speed_m_s: gustSpeed_m_s(mean_speed_m_s),
     mean_speed_m_s,
     direction_deg,
