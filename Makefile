@@ -91,13 +91,13 @@ test: ## set everything up and run the tests of what the software promises; test
 	@# more steps than cores: the tests of the browser and the service wait for much of their time
 	@$(MAKE) --no-print-directory --jobs 3 build/.kernels check test-python test-e2e test-web
 
-test-long: ## the tests that `make test` leaves out: the wheel, documents, whole builds, random damage, bundlers
-	@$(MAKE) --no-print-directory --jobs 2 wheel docs test-tools
+test-long: ## the tests that `make test` leaves out: the wheel, whole builds, random damage, bundlers
+	@$(MAKE) --no-print-directory --jobs 2 wheel test-tools
 	@$(MAKE) --no-print-directory --jobs 2 test-python-long test-e2e-long
 
 test-all: test test-long ## every test but those of test-species, test-distributed and test-containers
 
-check: $(VENV)/.dev node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
+check: $(VENV)/.dev node_modules/.stamp docs ## linters, formatters and type checkers of both languages, of the container files and the documents too
 	$(STEP) ruff $(BIN)/ruff check .
 	$(STEP) format $(BIN)/ruff format --check .
 	$(STEP) imports $(BIN)/lint-imports --no-cache
