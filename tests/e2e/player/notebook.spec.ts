@@ -3,6 +3,7 @@ import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
+import { WIND_PRESETS } from "../../../web/player/src/core/constants";
 import { expect, test } from "../forest";
 import { swaying } from "../swaying";
 
@@ -104,9 +105,7 @@ test("the example notebook shows trees that sway, in a wind that Python and the 
   expect(saved.at(-1)).toMatchObject({ wind: { version: 1, model: "navier-stokes", mean_speed_m_s: 24 } });
   await expect(wind).toHaveValue("storm-front");
 
-  await page.evaluate((still) => (window as unknown as { host: Host }).host.change("wind", still), {
-    version: 1, model: "cosine", mean_speed_m_s: 0, direction_deg: 30, gustiness: 0.5, convection_speed_m_s: 4, seed: 1,
-  });
+  await page.evaluate((still) => (window as unknown as { host: Host }).host.change("wind", still), WIND_PRESETS.still);
   await expect(wind).toHaveValue("still");
   await page.evaluate(() => (window as unknown as { host: Host }).host.end());
   await expect(page.locator("canvas")).toHaveCount(0);
