@@ -13,10 +13,12 @@ GALEWOOD_DATA_DIR ?= data
 export PORT HOST GALEWOOD_DATA_DIR
 # Compiled kernels are kept beside the data, so that a second start does not compile again.
 export NUMBA_CACHE_DIR ?= $(CURDIR)/build/numba
-PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps
+# modules are compiled when they are first imported, which most of them never are
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --require-hashes --no-deps
 PYTEST ?= $(BIN)/python -m pytest
 QUIETLY := --reporter=dot --silent=passed-only
-IN_PARALLEL := --quiet -n 3 --dist loadfile
+# in the order of tests/conftest.py, not by the number of tests in a file, so that none of the longest starts last
+IN_PARALLEL := --quiet -n 3 --dist loadfile --no-loadscope-reorder
 # What a step prints goes to build/log, and is shown if it fails.
 STEP := @$(PYTHON) scripts/step.py
 # All that a wheel is made of, beside the page.

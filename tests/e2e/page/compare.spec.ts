@@ -56,9 +56,7 @@ test("the modal model is closer to the reference solution than the paper's state
   await expect(dialog).toBeHidden();
 });
 
-test("the detected parts of an upload can be corrected, and a discarded upload is deleted", async ({
-  page,
-}) => {
+test("the detected parts of an upload can be corrected, and a discarded upload is deleted", { tag: "@long" }, async ({ page }) => {
   await open(page, `${panelled}&speed=5`);
   const buffer = Buffer.from(branchedTree());
   await page.setInputFiles("#file", { name: "shown-tree.obj", mimeType: "model/obj", buffer });

@@ -73,7 +73,7 @@ test("exaggerated motion is labelled, and leaves the figures as they are", async
 test.describe("overlays", () => {
   test.use({ deviceScaleFactor: 0.3, drawn: "sometimes" });
 
-  test("overlays are drawn on the picked tree", async ({ page }) => {
+  test("overlays are drawn on the picked tree", { tag: "@long" }, async ({ page }) => {
     test.setTimeout(240_000);
     await page.setViewportSize({ width: 640, height: 480 });
     await open(page, panelled);
@@ -124,7 +124,7 @@ test("a forest is shared with another page: both see who is here, and the same w
 });
 
 for (const share of ["", "&share=hidden-tab"]) {
-  test(`a hidden page draws nothing and receives nothing${share && ", also of a shared forest"}`, async ({ page }) => {
+  test(`a hidden page draws nothing and receives nothing${share && ", also of a shared forest"}`, { tag: "@long" }, async ({ page }) => {
     let received = 0;
     let closed = 0;
     page.on("websocket", (socket) => {
@@ -174,7 +174,7 @@ test("an embedded forest has a pause button and a link, and nothing else", async
   expect([whole.searchParams.get("embed"), whole.searchParams.get("trees")]).toEqual([null, "4"]);
 });
 
-test("the wind is heard once it is turned on, and not while the motion is paused", async ({ page }) => {
+test("the wind is heard once it is turned on, and not while the motion is paused", { tag: "@long" }, async ({ page }) => {
   await open(page, panelled);
   await forest(page);
   const loudness = () => page.evaluate(() => window.galewood!.loudness);

@@ -46,7 +46,7 @@ test.describe("pictures", () => {
     expect(share(noon, await scene("summer", 0.5), 8)).toBeLessThan(0.02);
   });
 
-  test("a night in a storm is moonlit, not black", async ({ page }) => {
+  test("a night in a storm is moonlit, not black", { tag: "@long" }, async ({ page }) => {
     await open(page, `${SMALL}&speed=20&season=summer&time=1.2`);
     await forest(page);
     const { data } = await picture(page);
@@ -83,7 +83,7 @@ test.describe("pictures", () => {
 });
 
 for (const lookup of ["worker", "server"] as const) {
-  test(`in winter trees move by their tables without leaves, and by the others again (${lookup})`, async ({ page }) => {
+  test(`in winter trees move by their tables without leaves, and by the others again (${lookup})`, { tag: lookup === "server" ? "@long" : [] }, async ({ page }) => {
     const { trees } = (await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as {
       trees: { builtin: boolean; bare_table_sha256: string | null }[];
     };
@@ -110,7 +110,7 @@ for (const lookup of ["worker", "server"] as const) {
   });
 }
 
-test("a forest is shared by a winter computed here and a winter streamed by the server", async ({ page, context }) => {
+test("a forest is shared by a winter computed here and a winter streamed by the server", { tag: "@long" }, async ({ page, context }) => {
   const { trees } = (await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as {
     trees: { builtin: boolean; bare_table_sha256: string | null }[];
   };
@@ -159,7 +159,7 @@ test.describe("on a wide page", () => {
   test.use({ deviceScaleFactor: 0.5 });
 
   for (const [name, width, height] of [["a desk", 1100, 640], ["a phone", 390, 760]] as const) {
-    test(`no serious accessibility violation on ${name}`, async ({ page }) => {
+    test(`no serious accessibility violation on ${name}`, { tag: width < 760 ? "@long" : [] }, async ({ page }) => {
       await page.setViewportSize({ width, height });
       await open(page, "quality=low&trees=2&speed=0");
       await forest(page);

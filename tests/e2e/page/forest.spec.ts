@@ -23,7 +23,7 @@ test.describe("pictures", () => {
   });
 
   for (const lookup of ["worker", "server"] as const) {
-    test(`still air: no pixel changes (${lookup})`, { tag: lookup === "server" ? "@long" : [] }, async ({ page }) => {
+    test(`still air: no pixel changes (${lookup})`, { tag: "@long" }, async ({ page }) => {
       await open(page, `${SMALL}&speed=0&lookup=${lookup}`);
       await forest(page);
       await background(page);

@@ -74,8 +74,11 @@ async function fill(page: Page): Promise<void> {
 
 test.use({ deviceScaleFactor: 0.5 });
 
+/** A phone and a laptop are always tested, what is between them by `make test-long`. */
+const tagOf = (width: number) => (width === 390 || width === 1280 ? [] : "@long");
+
 for (const [width, height] of [[390, 844], [800, 600], [900, 700], [1280, 720]] as const) {
-  test(`nothing covers anything else at ${width} × ${height} with everything open`, async ({ page }) => {
+  test(`nothing covers anything else at ${width} × ${height} with everything open`, { tag: tagOf(width) }, async ({ page }) => {
     await page.setViewportSize({ width, height });
     await open(page, "quality=low&trees=6&speed=3&motion=2&background=0");
     await forest(page);
@@ -107,7 +110,7 @@ test.describe("for fingers", () => {
   test.use({ hasTouch: true, isMobile: true });
 
   for (const [width, height] of [[390, 844], [900, 700]] as const) {
-    test(`all targets are at least 44 px high at ${width} px`, async ({ page }) => {
+    test(`all targets are at least 44 px high at ${width} px`, { tag: tagOf(width) }, async ({ page }) => {
       await page.setViewportSize({ width, height });
       await open(page, "quality=low&trees=4&speed=3&background=0");
       await forest(page);
@@ -132,7 +135,7 @@ for (const deviceScaleFactor of [1, 2]) {
   test.describe(`the plots at a pixel ratio of ${deviceScaleFactor}`, () => {
     test.use({ deviceScaleFactor, viewport: { width: 800, height: 600 } });
 
-    test("no label is clipped", async ({ page }) => {
+    test("no label is clipped", { tag: "@long" }, async ({ page }) => {
       test.setTimeout(300_000);
       await page.addInitScript(() => {
         const faults: string[] = [];

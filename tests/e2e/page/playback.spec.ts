@@ -4,7 +4,7 @@ import { changedPixels, expect, forest, frames, open, picture, SMALL, sway_m, te
 test.use({ deviceScaleFactor: 0.3, viewport: { width: 1000, height: 640 } });
 
 for (const lookup of ["worker", "server"] as const) {
-  test(`pausing stops the trees, and they go on afterwards (${lookup})`, async ({ page }) => {
+  test(`pausing stops the trees, and they go on afterwards (${lookup})`, { tag: lookup === "server" ? "@long" : [] }, async ({ page }) => {
     await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=14&lookup=${lookup}`);
     await forest(page);
     await expect.poll(() => sway_m(page)).toBeGreaterThan(0.02);

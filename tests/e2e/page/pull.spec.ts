@@ -125,7 +125,7 @@ test("all who share a forest see a pull, wherever their motion is computed", asy
   await expect.poll(() => force(other), { timeout: 60_000 }).toBe(0);
 });
 
-test("a click on open ground sends a gust front downwind", async ({ page }) => {
+test("a click on open ground sends a gust front downwind", { tag: "@long" }, async ({ page }) => {
   await open(page, `${STILL}&direction=90`);
   await forest(page);
   const tree = await lookAtTip(page);

@@ -35,7 +35,7 @@ async function takeArrow(page: Page) {
 test.describe("the rose", () => {
   test.use(wide);
 
-  for (const lookup of ["worker", "server"]) test(`trees bend in the direction of the dragged arrow (${lookup})`, async ({ page }) => {
+  for (const lookup of ["worker", "server"]) test(`trees bend in the direction of the dragged arrow (${lookup})`, { tag: lookup === "server" ? "@long" : [] }, async ({ page }) => {
     await open(page, `${panelled}&lookup=${lookup}&${link(steady)}`);
     await forest(page);
     const directions: number[] = [];
@@ -153,7 +153,7 @@ test.describe("presets", () => {
     return Math.sqrt(square / track.length);
   }
 
-  test("a storm moves the trees more than a breeze", async ({ page }) => {
+  test("a storm moves the trees more than a breeze", { tag: "@long" }, async ({ page }) => {
     await open(page, panelled);
     await forest(page);
     const moved: number[] = [];

@@ -29,7 +29,7 @@ async function taken(base: string): Promise<{ mesh: number; table: number; socke
   return { mesh, table: await bytes(`/api/tables/${tree.table_sha256}`), socket: opened };
 }
 
-test("an allowed origin takes mesh, table and socket; another one takes nothing", async ({ page, context }) => {
+test("an allowed origin takes mesh, table and socket; another one takes nothing", { tag: "@long" }, async ({ page, context }) => {
   const [friend, stranger] = [await elsewhere(), await elsewhere()];
   const port = await freePort();
   const base = `http://127.0.0.1:${port}`;

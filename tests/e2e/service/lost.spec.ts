@@ -4,7 +4,7 @@ import { branchedTree } from "../branchedTree";
 import { expect, forest, SMALL, test } from "../forest";
 import { copyOf, freePort, serve, STARTS_WITHIN_MS, stop, until } from "../server";
 
-test("what needs a server that is gone says so, keeps what the visitor did, and is done when tried again", async ({ page, context, quiet }) => {
+test("what needs a server that is gone says so, keeps what the visitor did, and is done when tried again", { tag: "@long" }, async ({ page, context, quiet }) => {
   const source = process.env.SERVER_DATA;
   test.skip(!source, "the server of BASE_URL must not be stopped");
   test.setTimeout(300_000);

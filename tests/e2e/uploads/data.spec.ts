@@ -75,7 +75,7 @@ test("an inventory plants its stems, from an address and from a dropped file", a
   await expect.poll(() => moving(page)).toBe(2);
 });
 
-test("a dropped measurement becomes the wind, and trees bend with it", async ({ page, quiet }) => {
+test("a dropped measurement becomes the wind, and trees bend with it", { tag: "@long" }, async ({ page, quiet }) => {
   await open(page, `${SMALL}&trees=2&speed=0`);
   await forest(page);
   const lines = Array.from({ length: 40 }, (_, k) => `${k};${9 + (k % 3)},5;270`);

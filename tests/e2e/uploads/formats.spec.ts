@@ -57,13 +57,13 @@ async function cancel(page: Page, id: string): Promise<void> {
   if (job_id) await page.request.post(`${process.env.BASE_URL}/api/jobs/${job_id}/cancel`);
 }
 
-for (const [k, { name, format, leaves }] of [
+for (const { name, format, leaves } of [
   { name: "draco.glb", format: "glb", leaves: true },
   { name: "skinned.glb", format: "glb", leaves: false },
   { name: "tree.zip", format: "obj", leaves: true },
   { name: "scan.ply", format: "ply", leaves: false },
-].entries()) {
-  test(`${name}, dropped on the page, becomes a tree that moves`, { tag: k ? "@long" : [] }, async ({ page }) => {
+]) {
+  test(`${name}, dropped on the page, becomes a tree that moves`, { tag: "@long" }, async ({ page }) => {
     test.setTimeout(12 * 60_000);
     page.setDefaultTimeout(3 * 60_000);
     await page.setViewportSize({ width: 640, height: 480 });

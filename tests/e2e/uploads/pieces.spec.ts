@@ -78,7 +78,7 @@ test.describe("painting", () => {
   });
 });
 
-test("all trees of a file become uploads, and can be cancelled", async ({ page, request }) => {
+test("all trees of a file become uploads, and can be cancelled", { tag: "@long" }, async ({ page, request }) => {
   test.setTimeout(5 * 60_000);
   page.setDefaultTimeout(2 * 60_000);
   await page.setViewportSize({ width: 900, height: 600 });
