@@ -147,10 +147,10 @@ test-e2e: $(SITE) browser ## the page in a real Chromium against a real server
 test-e2e-long: $(SITE) browser
 	$(STEP) $@ npm run --silent e2e -- --grep @long
 
-coverage: $(VENV)/.dev $(SITE) ## lines and branches that the tests of `make test` run, in build/coverage; fails if they become fewer
+coverage: $(VENV)/.dev $(SITE) wheel ## lines and branches that the tests run, long ones too, in build/coverage; fails if they become fewer
 	@rm -rf build/coverage && mkdir -p build/coverage/python
 	$(STEP) coverage-web npm test --silent -- $(QUIETLY) --coverage
-	$(STEP) coverage-run $(BIN)/coverage run -m pytest $(IN_PARALLEL) -m "not long and not species"
+	$(STEP) coverage-run $(BIN)/coverage run -m pytest $(IN_PARALLEL) -m "not species"
 	@$(BIN)/coverage combine --quiet && $(BIN)/coverage html --quiet
 	@$(BIN)/coverage report
 

@@ -18,6 +18,11 @@ LONG_FILES = (
     "test_wind_statistics", "test_skeleton", "test_peers", "test_untrusted_uploads", "test_stalls_and_damage",
     "test_leases", "test_outline", "test_support", "test_determinism", "test_guarded_process", "test_stop",
     "test_evaluations", "test_shipped_trees", "test_openapi", "test_structure", "test_corpus",
+    "test_piece_choices", "test_shown_names", "test_conversions", "test_socket_fuzz", "test_open_connections",
+    "test_doctor", "test_mesh_formats_hostile", "test_container_scripts", "test_damaged_rows", "test_confinement",
+    "test_event_streams", "test_mesh_import_process", "test_mesh_nesting", "test_client",
+    "test_generated_client", "test_model_file", "test_untrusted_results", "test_dependencies", "test_release",
+    "test_pulled_pole",
 )  # fmt: skip
 """Files of `make test-long`, the longest first: no process of a parallel run ends with one of them alone."""
 LONG_BUT_ALWAYS_RUN = ("test_build_end_to_end", "test_accuracy", "test_jobs")

@@ -7,6 +7,7 @@ from typing import Any
 
 import httpx
 import psutil
+import pytest
 
 from tests.server.api.test_rest_api import upload
 from tests.server.support.fake_job import STEPS, hold_records
@@ -78,6 +79,7 @@ def test_a_killed_job_process_is_restarted(start_server: StartServer) -> None:
         wait_until(lambda: state(api, job) == "done")
 
 
+@pytest.mark.long
 def test_a_graceful_stop_leaves_no_process(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
@@ -89,6 +91,7 @@ def test_a_graceful_stop_leaves_no_process(start_server: StartServer) -> None:
     assert "Traceback" not in server.log()
 
 
+@pytest.mark.long
 def test_a_stop_while_the_cluster_starts_leaves_no_process(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
@@ -107,6 +110,7 @@ def in_records(api: httpx.Client, job: dict[str, Any]) -> bool:
     )
 
 
+@pytest.mark.long
 def test_records_make_way_for_the_table_of_another_tree(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
     held, also = (hold_records(server.data_dir, name) for name in ("a.obj", "b.obj"))
@@ -128,6 +132,7 @@ def test_records_make_way_for_the_table_of_another_tree(start_server: StartServe
         assert done["table_sha256"] == table["table_sha256"] and done["records_sha256"]
 
 
+@pytest.mark.long
 def test_cancelling_in_stage_records_keeps_the_table(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
     held = hold_records(server.data_dir, "a.obj")
@@ -146,6 +151,7 @@ def test_cancelling_in_stage_records_keeps_the_table(start_server: StartServer) 
         assert done["table_sha256"] == tree["table_sha256"] and done["records_sha256"]
 
 
+@pytest.mark.long
 def test_a_job_resumes_in_stage_records_after_a_crash(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
     held = hold_records(server.data_dir, "a.obj")
@@ -164,6 +170,7 @@ def test_a_job_resumes_in_stage_records_after_a_crash(start_server: StartServer)
         assert done["table_sha256"] == tree["table_sha256"] and done["records_sha256"]
 
 
+@pytest.mark.long
 def test_a_second_server_on_the_same_folder_does_not_start(start_server: StartServer) -> None:
     server = start_server(**NO_CLUSTER)
     other = Server(server.data_dir, server.module, server.environment)
