@@ -2,12 +2,13 @@
 
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian
-from galewood.player.periodic import periodic_motion
+from galewood.player.periodic import PERIOD_START_S, periodic_motion
 from galewood.player.pulling import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.sway import grid_placements, play
 from galewood.player.wind_driven import WindDrivenTrees
 
 __all__ = [
+    "PERIOD_START_S",
     "DragConstraint",
     "ModalForest",
     "PaperForest",

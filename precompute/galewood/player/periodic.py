@@ -25,7 +25,7 @@ BLEND_SHARE = 0.4
 REPEAT_TOLERANCE = 2e-5
 """Displacement of any node from one period to the next, over the height, at which the motion repeats."""
 MOST_PERIODS = 60
-START_S = 20.0
+PERIOD_START_S = 20.0
 """Time of the wind document at which the period begins: its gusts have then developed."""
 
 
@@ -77,7 +77,7 @@ def _recorded(table: Table, wind: Wind, count: int) -> _Pressures:
         np.zeros((count, 1)), np.zeros((count, 1)), np.zeros((count, 1, 2 * len(table.modal_place)))
     )
     for k in range(count):
-        now_s = START_S + k * dt_s
+        now_s = PERIOD_START_S + k * dt_s
         pressure.advance(field, now_s)
         found.x[k], found.z[k] = pressure.x_pa, pressure.z_pa
         found.gusts[k] = places.at(field, now_s, forest.standing, pressure.x_pa, pressure.z_pa)

@@ -12,7 +12,7 @@ from typing import Annotated, Self
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
-from galewood.io.export import EXPORT_REVISION, ExportKind, ExportOptions, LoopOptions
+from galewood.io.export import EXPORT_REVISION, ExportKind, ExportOptions, LoopOptions, file_name
 from galewood.motion.wind import PRESETS, Wind, parse_wind
 from galewood.util import write_atomically
 from pydantic import Field, model_validator
@@ -24,7 +24,7 @@ from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matc
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 ZIP_CONTENT = contents("The files of the export.", "application/zip")
 MOST_FRAMES = 3600
-"""Of a loop, so that an export takes seconds."""
+"""Of an export, so that an export takes seconds."""
 
 
 class ExportQuery(LoopOptions):
@@ -38,8 +38,8 @@ class ExportQuery(LoopOptions):
 
     @model_validator(mode="after")
     def _few_frames(self) -> Self:
-        if self.loop_s * self.fps > MOST_FRAMES:
-            raise ValueError(f"a loop may have {MOST_FRAMES} frames: loop_s × fps")
+        if self.seconds * self.fps > MOST_FRAMES:
+            raise ValueError(f"an export may have {MOST_FRAMES} frames: seconds × fps")
         return self
 
     def options(self) -> ExportOptions:
@@ -68,10 +68,10 @@ async def get_export(
     service: ServiceDep,
     query: Annotated[ExportQuery, Query()],
 ) -> Response:
-    """A tree that sways in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB), `pivots` (for
-    Unreal), `usd`, or `glb` (morph targets). The first request for it takes some seconds."""
+    """A tree that sways, by default in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB),
+    `pivots` (for Unreal), `usd`, or `glb` (morph targets). The first request for it takes some seconds."""
     options = query.options()
-    source = await asyncio.to_thread(_source, service, tree_id)
+    source = await asyncio.to_thread(_source, service, tree_id, options.name)
     key = _key(source, kind, options)
     name = f"{source.name}-{kind}.zip"
     headers = {"ETag": f'"{key[:32]}"', "Cache-Control": "no-cache"}
@@ -97,11 +97,10 @@ def _wind(text: str) -> Wind:
         ) from None
 
 
-def _source(service: Service, tree_id: str) -> _Source:
+def _source(service: Service, tree_id: str, name: str | None) -> _Source:
     with service.sessions() as session:
         tree = computed_tree(session, tree_id)
-        name = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in tree.id)
-        return _Source(tree.table_sha256 or "", tree.mesh_sha256 or "", name)
+        return _Source(tree.table_sha256 or "", tree.mesh_sha256 or "", name or file_name(tree.name))
 
 
 def _key(source: _Source, kind: str, options: ExportOptions) -> str:

@@ -18,7 +18,7 @@ from galewood.table import decode
 from tests.precompute.fixtures.gltf_reading import Glb
 
 SHIPPED = Path("assets/species/shipped/apricot-forest.table")
-OPTIONS = ExportOptions(wind=Wind(mean_speed_m_s=10.0), loop_s=2.0, fps=12.0)
+OPTIONS = ExportOptions(wind=Wind(mean_speed_m_s=10.0), seconds=2.0, fps=12.0)
 TIME_S = 1.03
 
 

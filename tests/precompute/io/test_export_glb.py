@@ -1,13 +1,15 @@
 """The motion of an exported GLB, evaluated as in a glTF viewer, against the table."""
 
 import json
-from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from galewood.io.export import ExportError, animated_glb, coordinates_in_wind, recorded_coordinates
-from galewood.motion.wind.evaluation import Wind
+from galewood.io.export import ExportError, ExportOptions, write_export
+from galewood.io.export.looped import looped
+from galewood.motion.wind import Wind, WindField
+from galewood.player import PERIOD_START_S, WindDrivenTrees
 from galewood.table.format import Table, decode
 from galewood.tree.render_mesh import render_glb
 from galewood.tree.types import RenderPrimitive, TreeMesh
@@ -15,6 +17,7 @@ from galewood.tree.types import RenderPrimitive, TreeMesh
 from tests.golden import GOLDEN_FOLDER
 
 GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
+GUSTY = Wind(mean_speed_m_s=9.0, gustiness=0.8)
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}
 
 
@@ -64,13 +67,22 @@ def read(glb: bytes) -> tuple[dict[str, Any], Any]:
     return document, accessor
 
 
-def test_every_frame_of_the_animation_matches_the_table(table: Table, mesh: bytes) -> None:
-    q = coordinates_in_wind(table, Wind(mean_speed_m_s=9.0, gustiness=0.8), 3.0)
-    document, accessor = read(animated_glb(table, mesh, q))
+@pytest.mark.parametrize("closed", [True, False])
+def test_every_frame_of_the_animation_matches_the_table(
+    table: Table, mesh: bytes, tmp_path: Path, closed: bool
+) -> None:
+    options = ExportOptions(wind=GUSTY, seconds=3.0, fps=20.0, loop=closed)
+    told = write_export(table, mesh, "glb", tmp_path, "pole", options)
+    assert told["loop"] == closed
+    assert ("seam_percent_of_height" in told["measured"]) == closed
+    q = looped(table, GUSTY, 3.0, 20.0, closed=closed).keys()
+    document, accessor = read((tmp_path / "pole.glb").read_bytes())
     animation = document["animations"][0]
+    assert animation["name"] == "pole_sway"
     time = accessor(animation["samplers"][0]["input"])[:, 0]
     weights = accessor(animation["samplers"][0]["output"]).reshape(len(time), -1)
-    assert np.allclose(np.diff(time), table.metadata["dt_s"], atol=1e-6)
+    assert np.allclose(time, np.arange(61) / 20, atol=1e-5)
+    assert np.array_equal(weights[0], weights[-1]) == closed
     moved = {channel["target"]["node"] for channel in animation["channels"]}
     assert moved == set(range(len(document["nodes"])))
     largest = 0.0
@@ -85,29 +97,31 @@ def test_every_frame_of_the_animation_matches_the_table(table: Table, mesh: byte
     assert largest > 0.01
 
 
-def test_a_loop_has_no_seam(table: Table) -> None:
-    q = coordinates_in_wind(table, Wind(mean_speed_m_s=9.0, gustiness=0.8), 4.0, loop=True)
-    steps = np.abs(np.diff(q, axis=0)).max()
-    assert np.abs(q[-1] - q[0]).max() < 1e-12
-    assert np.abs(q[1] - q[-2]).max() < 3 * steps
-    assert np.abs(np.diff(q[[-2, -1]], axis=0)).max() < 2 * steps
+def test_without_a_loop_the_motion_is_what_the_player_shows(table: Table) -> None:
+    """From the same moment of the wind at which a loop begins, with the pose at the end."""
+    loop = looped(table, GUSTY, 2.0, 30.0, closed=False)
+    tree, field, dt_s = (
+        WindDrivenTrees(table, [[0.0, 0.0, 0.0, 1.0]]),
+        WindField(GUSTY),
+        table.metadata["dt_s"],
+    )
+    first = round(PERIOD_START_S / dt_s)
+    shown = list[Any]()
+    for k in range(first + len(loop.steps) + 1):
+        tree.step(field, dt_s * (k + 1), dt_s * (1 + 1e-12))
+        shown.append(tree.q[0].copy())
+    assert np.array_equal(loop.steps, shown[first:-1])
+    assert np.array_equal(loop.end, shown[-1])
+    assert np.array_equal(loop.keys()[-1], shown[-1])
+    assert loop.seconds == pytest.approx(2.0)
 
 
-def test_a_sampled_run_has_the_poses_of_the_table(table: Table) -> None:
-    named = {**table.records.metadata, "winds": ["still", "breeze"]}
-    table = replace(table, paper=replace(table.records, metadata=named))
-    q = recorded_coordinates(table, "breeze")
-    first, last = int(table.records.trajectory[1]), int(table.records.trajectory[2])
-    assert np.array_equal(q, table.recorded_q_m[first:last])
-    with pytest.raises(KeyError, match="no run"):
-        recorded_coordinates(table, "hurricane")
-
-
-def test_the_mesh_of_another_tree_is_refused(table: Table, mesh: bytes) -> None:
+def test_the_mesh_of_another_tree_is_refused(table: Table, mesh: bytes, tmp_path: Path) -> None:
     other = decode(GOLDEN.read_bytes())
     other.metadata["primitives"][0]["vertices"] += 1
+    short = ExportOptions(seconds=1.0)
     with pytest.raises(ExportError, match="vertices of the mesh differ"):
-        animated_glb(other, mesh, np.zeros((2, len(table.mode_scale))))
+        write_export(other, mesh, "glb", tmp_path, "pole", short)
     for junk in (b"", b"glTF", mesh[:40], b"PK" + mesh[2:]):
         with pytest.raises(ExportError):
-            animated_glb(table, junk, np.zeros((2, len(table.mode_scale))))
+            write_export(table, junk, "glb", tmp_path, "pole", short)

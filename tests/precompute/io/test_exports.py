@@ -14,6 +14,7 @@ from typing import Any
 
 import galewood
 import numpy as np
+import pygltflib
 import pytest
 import trimesh
 from galewood.io.cli.commands import app
@@ -36,7 +37,7 @@ SHIPPED = REPOSITORY / "assets/species/shipped/apricot-forest.table"
 GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
 VALIDATOR = REPOSITORY / "node_modules/gltf-validator"
 WIND = Wind(mean_speed_m_s=9.0, gustiness=0.7, seed=3)
-OPTIONS = ExportOptions(wind=WIND, loop_s=2.0, fps=12.0)
+OPTIONS = ExportOptions(wind=WIND, seconds=2.0, fps=12.0)
 ERROR, SEAM = 0.1, 0.05  # % of the height
 
 
@@ -73,7 +74,7 @@ def exports(tmp_path_factory: pytest.TempPathFactory) -> Exports:
     rest = np.concatenate(
         [rows.astype(np.float64) for rows in [Glb(folder / "vat/tree.glb").attribute("POSITION")]]
     )
-    return Exports(folder, table, rest, looped(table, WIND, OPTIONS.loop_s, OPTIONS.fps), told)
+    return Exports(folder, table, rest, looped(table, WIND, OPTIONS.seconds, OPTIONS.fps), told)
 
 
 def test_a_motion_that_repeats_has_no_seam(exports: Exports) -> None:
@@ -262,6 +263,39 @@ def test_usd_bakes_the_motion_of_the_table(exports: Exports) -> None:
     )
 
 
+def test_usd_has_all_pictures_of_the_mesh(exports: Exports, tmp_path: Path) -> None:
+    """Those of glTF: base colour, normals, and roughness, metal and occlusion in one picture."""
+    modules: list[Any] = [import_module(f"pxr.{name}") for name in ("Usd", "UsdShade")]
+    Usd, UsdShade = modules
+    gltf = pygltflib.GLTF2.load_from_bytes(SHIPPED.with_suffix(".glb").read_bytes())
+    assert gltf is not None
+    wood = gltf.materials[0]
+    assert wood.pbrMetallicRoughness and wood.normalTexture
+    # the picture of normals stands for that of roughness too: which one it is does not matter here
+    shown = int(wood.normalTexture.index or 0)
+    wood.pbrMetallicRoughness.metallicRoughnessTexture = pygltflib.TextureInfo(index=shown)
+    wood.pbrMetallicRoughness.roughnessFactor = 0.5
+    wood.occlusionTexture = pygltflib.OcclusionTextureInfo(index=shown, strength=0.25)
+    wood.normalTexture.scale = 2.0
+    options = ExportOptions(seconds=1.0, fps=5.0)
+    write_export(exports.table, b"".join(gltf.save_to_bytes()), "usd", tmp_path, "oak-4", options)
+    stage = Usd.Stage.Open(str(tmp_path / "oak-4.usdc"))
+    assert str(stage.GetDefaultPrim().GetPath()) == "/oak_4"
+    shader = UsdShade.Shader(stage.GetPrimAtPath("/oak_4/materials/oak_4_wood/surface"))
+    found = dict[str, Any]()
+    for use in ("diffuseColor", "roughness", "metallic", "occlusion", "normal"):
+        source, channel, _ = shader.GetInput(use).GetConnectedSource()
+        reader = UsdShade.Shader(source.GetPrim())
+        values = [reader.GetInput(name).Get() for name in ("file", "scale", "bias")]
+        assert (tmp_path / values[0].path).is_file()
+        found[use] = (channel, *(tuple(value) for value in values[1:]))
+    assert found["diffuseColor"] == ("rgb", (1, 1, 1, 1), (0, 0, 0, 0))
+    assert found["roughness"] == ("g", (0.5,) * 4, (0, 0, 0, 0))
+    assert found["metallic"] == ("b", (0,) * 4, (0, 0, 0, 0))
+    assert found["occlusion"] == ("r", (0.25,) * 4, (0.75,) * 4)
+    assert found["normal"] == ("rgb", (4, 4, 2, 1), (-2, -2, -1, 0))
+
+
 def test_usd_without_its_package_says_what_to_install(
     exports: Exports, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -274,7 +308,7 @@ def test_usd_without_its_package_says_what_to_install(
 
 def test_the_public_function_takes_the_options_as_keywords(exports: Exports, tmp_path: Path) -> None:
     table = galewood.MotionTable(SHIPPED.read_bytes(), SHIPPED.with_suffix(".glb").read_bytes())
-    told = galewood.export_tree(table, to="glb", out=tmp_path, wind=WIND, loop_s=2.0, fps=12.0)
+    told = galewood.export_tree(table, to="glb", out=tmp_path, wind=WIND, seconds=2.0, fps=12.0)
     assert told == exports.told["glb"]
     assert (tmp_path / "tree.glb").read_bytes() == (exports.folder / "glb" / "tree.glb").read_bytes()
     with pytest.raises(ValidationError, match="frames"):
@@ -294,7 +328,7 @@ def test_trimesh_reads_the_meshes(exports: Exports) -> None:
 )
 def test_the_khronos_validator_finds_no_error(exports: Exports) -> None:
     still = exports.folder / "still" / "tree.glb"
-    calm = ExportOptions(wind=Wind(mean_speed_m_s=0.0), loop_s=1.0, fps=5.0)
+    calm = ExportOptions(wind=Wind(mean_speed_m_s=0.0), seconds=1.0, fps=5.0)
     write_export(exports.table, SHIPPED.with_suffix(".glb").read_bytes(), "bones", still.parent, "tree", calm)
     files = [str(path) for path in sorted(exports.folder.glob("*/*.glb"))]
     assert len(files) == 7
@@ -321,13 +355,48 @@ def test_the_khronos_validator_finds_no_error(exports: Exports) -> None:
 def test_still_air_can_be_exported(tmp_path: Path, kind: str) -> None:
     """Nothing moves: no range to scale by, no channel to animate."""
     table, glb = decode(SHIPPED.read_bytes()), SHIPPED.with_suffix(".glb").read_bytes()
-    still = ExportOptions(wind=Wind(mean_speed_m_s=0.0), loop_s=1.0, fps=5.0, format="png")
+    still = ExportOptions(wind=Wind(mean_speed_m_s=0.0), seconds=1.0, fps=5.0, format="png")
     told = write_export(table, glb, kind, tmp_path, "tree", still)
     measured = told.get("measured", {})
     assert all(abs(percent) < 0.01 for percent in measured.values())
     if kind in ("bones", "glb"):
         animation = Glb(tmp_path / "tree.glb").document["animations"][0]
         assert animation["channels"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_all_kinds_take_the_same_options_and_say_the_same(exports: Exports, kind: str) -> None:
+    told = exports.told[kind].get("rigged", exports.told[kind])
+    assert told["loop"]
+    assert told["seconds"] == pytest.approx(OPTIONS.seconds, abs=0.04)
+    assert told["frames"] == 24
+    assert told["wind"] == WIND.document()
+    assert (exports.folder / kind / "tree.json").is_file()
+
+
+@pytest.mark.parametrize("kind", ["vat", "bones", "usd", "glb"])
+def test_a_motion_that_does_not_repeat_is_the_table_s_too(tmp_path: Path, kind: str) -> None:
+    table, glb = decode(SHIPPED.read_bytes()), SHIPPED.with_suffix(".glb").read_bytes()
+    once = ExportOptions(wind=WIND, seconds=1.0, fps=15.0, loop=False)
+    told = write_export(table, glb, kind, tmp_path, "tree", once)
+    assert not told["loop"]
+    assert "seam_percent_of_height" not in told["measured"]
+    assert told["measured"]["error_percent_of_height"] < (5 if kind == "glb" else 2 * ERROR)
+
+
+@pytest.mark.parametrize("kind", ["vat", "bones", "pivots", "glb"])
+def test_everything_in_a_glb_is_named_after_the_tree(exports: Exports, kind: str) -> None:
+    document = Glb(exports.folder / kind / "tree.glb").document
+    assert [node["name"] for node in document["nodes"][:3]] == [
+        "tree_wood_0",
+        "tree_twigs_0",
+        "tree_leaves_0",
+    ]
+    assert [one["name"] for one in document["materials"]] == ["tree_wood", "tree_twigs", "tree_leaves"]
+    pictures = ["tree_wood_base_color", "tree_wood_normal", "tree_leaves_base_color"]
+    assert [one["name"] for one in document["images"]] == pictures
+    if kind in ("bones", "glb"):
+        assert document["animations"][0]["name"] == exports.told[kind]["animation"] == "tree_sway"
 
 
 def test_archives_of_the_same_files_are_the_same(exports: Exports) -> None:
@@ -346,10 +415,11 @@ def test_an_unknown_kind_is_refused_with_those_that_exist(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("name", "value", "says"),
     [
-        ("loop_s", 0.2, "greater than or equal to 1"),
+        ("seconds", 0.2, "greater than or equal to 1"),
         ("fps", 1000.0, "less than or equal to 120"),
         ("format", "tga", "'exr' or 'png'"),
         ("bones", 1, "greater than or equal to 4"),
+        ("name", "../oak", "match"),
     ],
 )
 def test_impossible_options_are_refused_with_what_is_possible(name: str, value: object, says: str) -> None:
@@ -360,10 +430,12 @@ def test_impossible_options_are_refused_with_what_is_possible(name: str, value: 
 def test_the_command_writes_an_export_and_tells_its_error(tmp_path: Path) -> None:
     out = tmp_path / "new" / "bones"
     asked = ["export", str(SHIPPED), "--to", "bones", "--out", str(out), "--wind", "breeze"]
-    result = CliRunner().invoke(app, [*asked, "--loop-s", "1", "--fps", "10", "--bones", "20"])
+    result = CliRunner().invoke(app, [*asked, "--seconds", "1", "--fps", "10", "--bones", "20"])
     assert result.exit_code == 0, result.output
-    assert {path.name for path in out.iterdir()} == {"tree.glb", "tree.json", "tree.wind.json"}
-    told = json.loads((out / "tree.json").read_text())
+    assert {path.name for path in out.iterdir()} == {
+        f"apricot-forest.{ending}" for ending in ("glb", "json", "wind.json")
+    }
+    told = json.loads((out / "apricot-forest.json").read_text())
     assert told["wind"]["model"] == "perlin"
     assert told["frames"] == 10
 
@@ -374,11 +446,12 @@ def test_the_command_writes_an_export_and_tells_its_error(tmp_path: Path) -> Non
         (["--wind", "hurricane"], "breeze"),
         (["--to", "fbx"], "vat"),
         (["--mesh", str(GOLDEN)], "GLB"),
+        (["--out", "sways/oak.glb"], "--out sways/oak --name oak"),
     ],
 )
 def test_the_command_says_what_to_do_about_a_mistake(tmp_path: Path, asked: list[str], says: str) -> None:
     result = CliRunner().invoke(
-        app, ["export", str(SHIPPED), "--to", "bones", "--loop-s", "1", "--out", str(tmp_path / "o"), *asked]
+        app, ["export", str(SHIPPED), "--to", "bones", "--seconds", "1", "--out", str(tmp_path / "o"), *asked]
     )
     assert result.exit_code == 1
     assert says in result.output

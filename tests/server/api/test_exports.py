@@ -18,7 +18,7 @@ from tests.server.support.server_process import NO_CLUSTER, REPOSITORY, Server
 StartServer = Callable[..., Server]
 SHIPPED = REPOSITORY / "assets" / "species" / "shipped"
 SOURCE = b"mesh of a small tree"
-SHORT = {"loop_s": "1", "fps": "10"}
+SHORT = {"seconds": "1", "fps": "10"}
 
 
 @pytest.fixture
@@ -49,9 +49,9 @@ def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(ser
     with server.client() as api:
         address = "/api/trees/small/exports"
         assert problem(api.get(f"{address}/fbx")) == (422, "invalid-request")
-        assert problem(api.get(f"{address}/vat", params={"loop_s": "0"})) == (422, "invalid-request")
+        assert problem(api.get(f"{address}/vat", params={"seconds": "0"})) == (422, "invalid-request")
         assert problem(api.get(f"{address}/vat", params={"speed": "3"})) == (422, "invalid-request")
-        long = {"loop_s": "120", "fps": "60"}
+        long = {"seconds": "120", "fps": "60"}
         assert problem(api.get(f"{address}/vat", params=long)) == (422, "invalid-request")
         assert problem(api.get(f"{address}/vat", params={"wind": "hurricane"})) == (422, "bad-wind")
         assert problem(api.get(f"{address}/vat", params={"wind": '{"version": 1}'})) == (422, "bad-wind")
@@ -60,10 +60,10 @@ def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(ser
         answer = api.get(f"{address}/bones", params=SHORT, timeout=120)
         assert answer.status_code == 200, answer.text
         assert answer.headers["content-type"] == "application/zip"
-        assert 'filename="small-bones.zip"' in answer.headers["content-disposition"]
+        assert 'filename="Small-bones.zip"' in answer.headers["content-disposition"]
         with zipfile.ZipFile(io.BytesIO(answer.content)) as files:
-            assert set(files.namelist()) == {"small.glb", "small.json", "small.wind.json"}
-            told = json.loads(files.read("small.json"))
+            assert set(files.namelist()) == {"Small.glb", "Small.json", "Small.wind.json"}
+            told = json.loads(files.read("Small.json"))
         assert told["frames"] == 10
         assert told["measured"]["seam_percent_of_height"] < 0.05
         (kept,) = (server.data_dir / "cache" / "exports").iterdir()

@@ -123,7 +123,7 @@ def largest_inputs() -> dict[str, Requests]:
         "GET /api/trees/{tree_id}/thumbnail": plain,
         "GET /api/trees/{tree_id}/structure": plain,
         "GET /api/trees/{tree_id}/exports/{kind}": [
-            {"params": {"loop_s": 1, "fps": 5}}, {"params": {"wind": "[" * 4000}},
+            {"params": {"seconds": 1, "fps": 5}}, {"params": {"wind": "[" * 4000}},
         ],
         "GET /api/jobs": page,
         "POST /api/jobs": bodies(tree_id=NAME),

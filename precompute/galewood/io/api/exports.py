@@ -10,7 +10,7 @@ from typing import Any
 
 from galewood.io.api.keywords import with_keywords_of
 from galewood.io.api.tables import MotionTable
-from galewood.io.export import ExportKind, ExportOptions, write_export
+from galewood.io.export import ExportKind, ExportOptions, file_name, write_export
 
 
 class ExportCall(ExportOptions):
@@ -18,23 +18,22 @@ class ExportCall(ExportOptions):
 
     to: ExportKind
     out: str | Path
-    name: str = "tree"
     on_progress: Callable[[float, str], None] | None = None
 
 
 @with_keywords_of(ExportCall)
 def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
-    """Write a tree that sways in a loop, for an engine or another program.
+    """Write a tree that sways, for an engine or another program; by default in a loop of 8 s.
 
     Args:
         table: The table, with its mesh.
         options: As keywords. ``to``: what to write, "vat" (vertex animation textures), "bones" (a rigged
             GLB), "pivots" (for Unreal), "usd", or "glb" (morph targets). ``out``: folder to write, created
-            if needed. ``name``: name of the files, without ending. ``wind``: by default one of 8 m/s; it is
-            made periodic. ``loop_s``: length of the loop, rounded to steps of the table. ``fps``: frames per
-            second ("glb": always one frame per step of the table). ``format``: textures of "vat", "exr" or
-            "png". ``bones``: most bones of a skeleton. ``on_progress``: receives the fraction done and a
-            message.
+            if needed. ``name``: name of the files and of what is in them, by default that of the
+            table's file. ``wind``: by default one of 8 m/s. ``seconds``: length of the
+            motion, rounded to steps of the table. ``loop``: whether its end meets its beginning, in the wind
+            made periodic. ``fps``: frames per second. ``format``: textures of "vat", "exr" or "png".
+            ``bones``: most bones of a skeleton. ``on_progress``: receives the fraction done and a message.
 
     Returns:
         The description that is also written as JSON; ``measured`` holds error and seam, in % of the height.
@@ -51,7 +50,7 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
         table.render_glb,
         options.to,
         Path(options.out),
-        options.name,
+        options.name or file_name(table.name),
         options,
         options.on_progress,
     )

@@ -37,6 +37,8 @@ class MotionTable:
     """What the build assumed and measured; empty for a loaded table."""
     bare: MotionTable | None = field(default=None, repr=False)
     """The table of the same tree and mesh without its leaves, if it was built too (``bare_table=True``)."""
+    name: str = "tree"
+    """What the tree's file is called; exports take it."""
 
     @cached_property
     def table(self) -> Table:
@@ -128,8 +130,8 @@ def build(tree: Tree, options: BuildCall) -> MotionTable:
         options.on_progress or (lambda progress: None),
         options.cache_dir or default_cache_dir(),
     )
-    bare = MotionTable(result.bare_table, result.render_glb) if result.bare_table else None
-    return MotionTable(result.whole_table(), result.render_glb, result.report, bare)
+    bare = MotionTable(result.bare_table, result.render_glb, name=tree.name) if result.bare_table else None
+    return MotionTable(result.whole_table(), result.render_glb, result.report, bare, tree.name)
 
 
 def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:
@@ -142,7 +144,7 @@ def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:
     path = Path(path)
     beside = Path(mesh) if mesh is not None else path.with_suffix(".glb")
     glb = beside.read_bytes() if mesh is not None or beside.exists() else None
-    loaded = MotionTable(path.read_bytes(), glb)
+    loaded = MotionTable(path.read_bytes(), glb, name=path.stem)
     _ = loaded.table  # raises here rather than later
     return loaded
 

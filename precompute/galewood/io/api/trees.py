@@ -25,6 +25,8 @@ class Tree:
     mesh: TreeMesh
     render_glb: bytes = field(repr=False)
     """The mesh to draw, as a binary glTF; its vertices are those that a motion table moves."""
+    name: str = "tree"
+    """What its file is called."""
 
     @property
     def height_m(self) -> float:
@@ -70,4 +72,4 @@ def read(path: str | Path, options: ImportRequest) -> Tree:
     """
     path = Path(path)
     mesh, render_glb = import_mesh_sandboxed(mesh_with_companions(path), path.name, options)
-    return Tree(mesh, render_glb)
+    return Tree(mesh, render_glb, path.stem)

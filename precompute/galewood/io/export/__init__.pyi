@@ -1,12 +1,10 @@
 from .bundle import archive as archive
 from .bundle import write_export as write_export
 from .errors import ExportError as ExportError
-from .glb import animated_glb as animated_glb
-from .glb import coordinates_in_wind as coordinates_in_wind
-from .glb import recorded_coordinates as recorded_coordinates
 from .limited import export_limited as export_limited
 from .options import EXPORT_REVISION as EXPORT_REVISION
 from .options import KINDS as KINDS
 from .options import ExportKind as ExportKind
 from .options import ExportOptions as ExportOptions
 from .options import LoopOptions as LoopOptions
+from .options import file_name as file_name

@@ -9,12 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from galewood.io.export.errors import ExportError
-from galewood.io.export.glb import animated_glb, linear_error_percent
-from galewood.io.export.gltf_file import GltfFile
-from galewood.io.export.looped import Loop, looped, seam_percent
+from galewood.io.export.glb import export_glb
+from galewood.io.export.looped import Loop, looped
 from galewood.io.export.options import KINDS, ExportOptions
 from galewood.io.export.pivots import export_pivots
 from galewood.io.export.skeletal.bones import export_bones
@@ -52,8 +49,8 @@ def write_export(
     chosen, report = options or ExportOptions(), on_progress or _no_progress
     if kind not in KINDS:
         raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
-    report(0.0, "Playing the wind until the motion repeats")
-    loop = looped(table, chosen.wind, chosen.loop_s, chosen.fps)
+    report(0.0, "Playing the wind")
+    loop = looped(table, chosen.wind, chosen.seconds, chosen.fps, closed=chosen.loop)
     folder.mkdir(parents=True, exist_ok=True)
     report(0.4, "Writing and measuring the files")
     description = _write(table, glb, kind, folder, name, chosen, loop)
@@ -72,29 +69,7 @@ def _write(
         return export_pivots(table, glb, loop, folder, name, options.bones)
     if kind == "usd":
         return export_usd(table, glb, loop, folder, name)
-    return _export_glb(table, glb, loop, folder, name)
-
-
-def _export_glb(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
-    closed = np.concatenate([loop.steps, loop.steps[:1]])
-    (folder / f"{name}.glb").write_bytes(animated_glb(table, glb, closed))
-    rest_m = GltfFile(glb, table).rest_m()
-    poses = loop.steps[:: max(1, len(loop.steps) // 24)]
-    description = {
-        "format": "galewood-glb",
-        "version": 1,
-        "mesh": f"{name}.glb",
-        "animation": "sway",
-        "seconds": loop.seconds,
-        "height_m": float(table.metadata["height_m"]),
-        "wind": loop.wind.document(),
-        "measured": {
-            "error_percent_of_height": linear_error_percent(table, rest_m, poses),
-            "seam_percent_of_height": seam_percent(table, rest_m, loop),
-        },
-    }
-    (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
-    return description
+    return export_glb(table, glb, loop, folder, name)
 
 
 def archive(folder: Path) -> bytes:

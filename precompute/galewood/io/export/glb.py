@@ -7,14 +7,16 @@ precise as the table for small motion only (``linear_error_percent``); its size 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from galewood.io.export.gltf_file import ARRAY_BUFFER, GltfFile
-from galewood.motion.wind import Wind, WindField
-from galewood.player import WindDrivenTrees
+from galewood.io.export.gltf_names import give_names
+from galewood.io.export.looped import Loop, seam
 from galewood.solid.skinning import drawn_positions, vertex_rows
 from galewood.table import Table
 from galewood.util import Floats
@@ -22,59 +24,46 @@ from galewood.util import Floats
 if TYPE_CHECKING:
     import pygltflib
 
-SETTLE_S = 8.0
-"""Duration that is played from rest before the exported motion starts."""
+MEASURED_POSES = 24
 LEAST_M = 2e-4
 """Modes that displace no vertex farther than this in the whole motion are left out."""
-LOOP_S = 2.0
-"""Duration over which the end of a loop blends into the motion before its start."""
 
 
-def coordinates_in_wind(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Floats:
-    """(T + 1, r) coordinates q of one tree in a wind by the modal model, one frame per table step.
-
-    In a ``loop`` the last frame equals the first.
-    """
-    dt_s, field = float(table.metadata["dt_s"]), WindField(wind)
-    tree = WindDrivenTrees(table, [[0.0, 0.0, 0.0, 1.0]])
-    before, frames = round(SETTLE_S / dt_s), round(seconds / dt_s) + 1
-    track = np.empty((before + frames, tree.q.shape[1]))
-    for k in range(len(track)):
-        # a little more than the table's step, so that rounding never skips one
-        tree.step(field, dt_s * (k + 1), dt_s * (1 + 1e-12))
-        track[k] = tree.q[0]
-    if not loop:
-        return track[before:]
-    blend = max(1, min(round(LOOP_S / dt_s), frames - 1, before))
-    share = (np.arange(1, blend + 1) / blend)[:, None]
-    track[-blend:] += share * (track[before - blend + 1 : before + 1] - track[-blend:])
-    return track[before:]
-
-
-def recorded_coordinates(table: Table, name: str) -> Floats:
-    """(T, r) coordinates q of a recorded run of the table (FEM). Raises KeyError for an unknown name."""
-    records = table.records
-    names = records.metadata.get("winds", [])[: len(records.trajectory) - 1]
-    if name not in names:
-        raise KeyError(f"no run {name!r} in this table; it has {', '.join(names)}")
-    first, last = records.trajectory[names.index(name) : names.index(name) + 2]
-    return table.recorded_q_m[int(first) : int(last)]
-
-
-def animated_glb(table: Table, glb: bytes, q: Floats) -> bytes:
-    """Return the render mesh ``glb`` animated by q (T, r), one frame per table step. Raises ExportError."""
+def export_glb(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
+    """Write the animated GLB and a description; return it. Raises ExportError."""
     file = GltfFile(glb, table)
+    give_names(file.gltf, name)
+    rest_m = file.rest_m()
+    poses = loop.q()[:: max(1, loop.frames // MEASURED_POSES)]
+    description: dict[str, Any] = {
+        "format": "galewood-glb",
+        "version": 1,
+        "mesh": f"{name}.glb",
+        "animation": f"{name}_sway",
+        **loop.about(table),
+        "measured": {"error_percent_of_height": linear_error_percent(table, rest_m, poses)}
+        | seam(table, rest_m, loop),
+    }
+    _morph(file, table, rest_m, loop, f"{name}_sway")
+    file.note("galewood_glb", description)
+    (folder / f"{name}.glb").write_bytes(file.glb())
+    (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
+    return description
+
+
+def _morph(file: GltfFile, table: Table, rest_m: Floats, loop: Loop, animation: str) -> None:
+    """Add the modes that the motion needs as morph targets, and their weights over time."""
+    q = loop.keys()
     reach = np.abs(q).max(axis=0)
     farthest_m = np.linalg.norm(table.node_basis, axis=1).max(axis=0) * reach
     kept = np.flatnonzero(farthest_m > LEAST_M)
     kept = kept if len(kept) else np.array([0])
     scale = np.where(reach > 0, reach, 1.0)
-    shapes = vertex_rows(table, file.rest_m())[:, :, kept] * scale[kept].astype(np.float32)
+    shapes = vertex_rows(table, rest_m)[:, :, kept] * scale[kept].astype(np.float32)
     splits = np.cumsum(file.counts)[:-1]
     for mesh, rows in zip(file.gltf.meshes, np.split(shapes, splits), strict=True):
         _add_targets(file, mesh, rows)
-    _animate(file, q[:, kept] / scale[kept], float(table.metadata["dt_s"]))
-    return file.glb()
+    _animate(file, q[:, kept] / scale[kept], loop.key_times_s(), animation)
 
 
 def linear_error_percent(table: Table, rest_m: Floats, q: Floats) -> float:
@@ -102,11 +91,11 @@ def _add_targets(file: GltfFile, mesh: pygltflib.Mesh, shapes: npt.NDArray[np.fl
     mesh.extras = {"targetNames": [f"mode {k}" for k in range(count)]}
 
 
-def _animate(file: GltfFile, weights: Floats, dt_s: float) -> None:
-    """Animate the weights (T, k) of all meshes with frames dt_s apart."""
+def _animate(file: GltfFile, weights: Floats, times_s: Floats, name: str) -> None:
+    """Animate the weights (T, k) of all meshes."""
     import pygltflib
 
-    time = file.add_rows(np.arange(len(weights), dtype=np.float32) * np.float32(dt_s), bounds=True)
+    time = file.add_rows(times_s.astype(np.float32), bounds=True)
     output = file.add_rows(weights.reshape(-1).astype(np.float32), bounds=True)
     sampler = pygltflib.AnimationSampler(input=time, output=output, interpolation="LINEAR")
     channels = [
@@ -116,4 +105,4 @@ def _animate(file: GltfFile, weights: Floats, dt_s: float) -> None:
         for index, node in enumerate(file.gltf.nodes)
         if node.mesh is not None
     ]
-    file.gltf.animations.append(pygltflib.Animation(name="sway", samplers=[sampler], channels=channels))
+    file.gltf.animations.append(pygltflib.Animation(name=name, samplers=[sampler], channels=channels))

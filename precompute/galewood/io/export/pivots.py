@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from galewood.io.export.errors import ExportError
 from galewood.io.export.gltf_file import GltfFile
+from galewood.io.export.gltf_names import give_names
 from galewood.io.export.looped import Loop
 from galewood.io.export.options import MOST_BONES
 from galewood.io.export.skeletal.bones import export_bones
@@ -136,6 +137,7 @@ def export_pivots(
 ) -> dict[str, Any]:
     """Write textures, static mesh, and a rigged mesh with wind.json; return the description."""
     file = GltfFile(glb, table)
+    give_names(file.gltf, name)
     parts = parts_of(table, file.rest_m())
     count = len(parts.parent)
     width = 1 << (int(np.ceil(np.sqrt(count))) - 1).bit_length()

@@ -20,7 +20,8 @@ import numpy as np
 
 from galewood.io.export.errors import ExportError
 from galewood.io.export.gltf_file import GltfFile
-from galewood.io.export.looped import Loop, seam_percent
+from galewood.io.export.gltf_names import give_names
+from galewood.io.export.looped import Loop, seam
 from galewood.io.export.options import TextureFormat
 from galewood.io.export.skeletal.joints import RigidMotion, joint_motion, joint_of_vertex, rotated
 from galewood.io.export.textures import (
@@ -93,6 +94,7 @@ def export_vat(
 ) -> dict[str, Any]:
     """Write textures, mesh, description and decoders; return the description. Raises ExportError."""
     file = GltfFile(glb, table)
+    give_names(file.gltf, name)
     motion = joint_motion(table, loop.q())
     layout = Layout(motion.moved_m.shape[1], loop.frames)
     if layout.height > MAX_HEIGHT_PX:
@@ -106,10 +108,9 @@ def export_vat(
     rest_m = file.rest_m()
     decoded = Decoder(folder, layout, textures)
     description["bounds_m"] = _bounds(table, rest_m, loop)
-    description["measured"] = {
-        "error_percent_of_height": error_percent(table, rest_m, loop, decoded),
-        "seam_percent_of_height": seam_percent(table, rest_m, loop),
-    }
+    description["measured"] = {"error_percent_of_height": error_percent(table, rest_m, loop, decoded)} | seam(
+        table, rest_m, loop
+    )
     description["mesh"] = f"{name}.glb"
     file.note("galewood_vat", description)
     (folder / f"{name}.glb").write_bytes(file.glb())
@@ -136,16 +137,12 @@ def _description(table: Table, loop: Loop, layout: Layout, textures: dict[str, W
         "format": FORMAT,
         "version": VERSION,
         "axes": AXES_NOTE,
-        "height_m": float(table.metadata["height_m"]),
-        "frames": loop.frames,
-        "seconds": loop.seconds,
-        "fps": loop.fps,
+        **loop.about(table),
         "width": layout.width,
         "height": layout.height,
         "rows_per_frame": layout.rows,
         "joints": layout.bodies,
         "textures": {use: written.about() for use, written in textures.items()},
-        "wind": loop.wind.document(),
     }
 
 
@@ -175,8 +172,9 @@ class Decoder:
 def error_percent(table: Table, rest_m: Floats, loop: Loop, decoded: Decoder) -> float:
     """Largest distance of a decoded vertex from the table's, in % of the height; at frames and between."""
     body, worst = joint_of_vertex(table), 0.0
-    for frame in np.linspace(0.0, loop.frames, MEASURED_MOMENTS, endpoint=False):
-        # moments between frames too, but the last frame and the first one as they are
+    # an open loop jumps from its last frame to the first
+    end = loop.frames if loop.closed else loop.frames - 1
+    for frame in np.linspace(0.0, end, MEASURED_MOMENTS, endpoint=False):
         exact = drawn_positions(table, rest_m, loop.q_at(frame * loop.seconds / loop.frames))
         apart = np.linalg.norm(decoded.positions(rest_m, body, float(frame)) - exact, axis=1)
         worst = max(worst, float(apart.max()))

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from galewood.io.export.gltf_file import GltfFile
-from galewood.io.export.looped import Loop, seam_percent
+from galewood.io.export.gltf_names import give_names
+from galewood.io.export.looped import Loop, seam
 from galewood.io.export.options import MOST_BONES
 from galewood.io.export.skeletal.joints import (
     RigidMotion,
@@ -36,7 +37,7 @@ STILL_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Rig:
-    """A skeleton, its motion in the frames of a loop, and the bones of every vertex."""
+    """A skeleton, its motion at the keys of a loop, and the bones of every vertex."""
 
     skeleton: Skeleton
     motion: RigidMotion
@@ -49,7 +50,7 @@ class Rig:
 
 def rigged(table: Table, rest_m: Floats, loop: Loop, most: int = MOST_BONES) -> Rig:
     """Bones at the nodes of the table, and weights fitted to the motion of the loop."""
-    q = loop.q()
+    q = loop.keys()
     motion = node_motion(table, q)
     few = samples(motion)
     skeleton = choose_bones(table, few, most)
@@ -68,14 +69,13 @@ def _normal(weights: Floats) -> Floats:
 
 
 def skinned(rig: Rig, rest_m: Floats, frame: float) -> Floats:
-    """(v, 3) vertices at a frame number, by linear blend skinning; between frames as glTF players do it.
+    """(v, 3) vertices at a frame number below the last, by linear blend skinning, as glTF players do it.
 
     Players interpolate each bone's translation and rotation relative to its parent.
     """
-    count = len(rig.motion.moved_m)
-    first, share = int(frame) % count, frame - int(frame)
+    first, share = int(frame), frame - int(frame)
     local = local_motion(rig.skeleton, rig.motion)
-    second = (first + 1) % count
+    second = first + 1
     place = (1 - share) * local.moved_m[first] + share * local.moved_m[second]
     turn = (1 - share) * local.rotation[first] + share * local.rotation[second]
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
@@ -121,6 +121,7 @@ def export_bones(
 ) -> dict[str, Any]:
     """Write the rigged GLB, wind.json for Unreal, and a description; return it. Raises ExportError."""
     file = GltfFile(glb, table)
+    give_names(file.gltf, name)
     rest_m = file.rest_m()
     rig = rigged(table, rest_m, loop, most)
     description: dict[str, Any] = {
@@ -128,16 +129,11 @@ def export_bones(
         "version": 1,
         "mesh": f"{name}.glb",
         "bones": len(rig.skeleton.node),
-        "animation": "sway",
-        "frames": loop.frames,
-        "seconds": loop.seconds,
-        "fps": loop.fps,
-        "height_m": float(table.metadata["height_m"]),
-        "wind": loop.wind.document(),
-        "measured": _errors(table, rest_m, loop, rig)
-        | {"seam_percent_of_height": seam_percent(table, rest_m, loop)},
+        "animation": f"{name}_sway",
+        **loop.about(table),
+        "measured": _errors(table, rest_m, loop, rig) | seam(table, rest_m, loop),
     }
-    _add_rig(file, rig, loop)
+    _add_rig(file, rig, loop, name)
     file.note("galewood_bones", description)
     (folder / f"{name}.glb").write_bytes(file.glb())
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
@@ -160,7 +156,7 @@ def _errors(table: Table, rest_m: Floats, loop: Loop, rig: Rig) -> dict[str, flo
     }
 
 
-def _add_rig(file: GltfFile, rig: Rig, loop: Loop) -> None:
+def _add_rig(file: GltfFile, rig: Rig, loop: Loop, name: str) -> None:
     import pygltflib
 
     gltf, skeleton = file.gltf, rig.skeleton
@@ -179,14 +175,14 @@ def _add_rig(file: GltfFile, rig: Rig, loop: Loop) -> None:
             pygltflib.Node(name=bone_name, translation=rest[bone].tolist(), children=children or None)
         )
     roots = (first + np.flatnonzero(skeleton.parent < 0)).tolist()
-    gltf.nodes.append(pygltflib.Node(name="skeleton", children=roots))
+    gltf.nodes.append(pygltflib.Node(name=f"{name}_skeleton", children=roots))
     scene = gltf.scenes[gltf.scene or 0]
     scene.nodes = [*(scene.nodes or []), len(gltf.nodes) - 1]
     inverse = np.tile(np.eye(4), (len(skeleton.node), 1, 1))
     inverse[:, 3, :3] = -skeleton.place_m  # columns first
     gltf.skins.append(
         pygltflib.Skin(
-            name="tree",
+            name=f"{name}_skin",
             inverseBindMatrices=file.add_rows(inverse.reshape(-1, 16)),
             skeleton=len(gltf.nodes) - 1,
             joints=list(range(first, first + len(skeleton.node))),
@@ -195,17 +191,23 @@ def _add_rig(file: GltfFile, rig: Rig, loop: Loop) -> None:
     for node in gltf.nodes[:first]:
         if node.mesh is not None:
             node.skin = len(gltf.skins) - 1
-    gltf.animations.append(_animation(file, local, rest, first, loop))
+    animation = pygltflib.Animation(name=f"{name}_sway")
+    gltf.animations.append(animation)
+    _animate(file, animation, local, rest, first, loop.key_times_s())
 
 
-def _animation(
-    file: GltfFile, local: RigidMotion, rest: Floats, first: int, loop: Loop
-) -> pygltflib.Animation:
+def _animate(
+    file: GltfFile,
+    animation: pygltflib.Animation,
+    local: RigidMotion,
+    rest: Floats,
+    first: int,
+    times_s: Floats,
+) -> None:
+    """Add channels for the bones that move; ``first``: node of the first bone."""
     import pygltflib
 
-    times = np.arange(loop.frames + 1) * (loop.seconds / loop.frames)
-    time = file.add_rows(times.astype(np.float32), bounds=True)
-    animation = pygltflib.Animation(name="sway")
+    time = file.add_rows(times_s.astype(np.float32), bounds=True)
     still = np.array([0.0, 0.0, 0.0, 1.0])
     for bone in range(len(rest)):
         tracks = (
@@ -217,8 +219,7 @@ def _animation(
             needed = bone == 0 and path == "translation"
             if np.abs(rows - at_rest).max() < STILL_TOLERANCE and not needed:
                 continue
-            closed = np.concatenate([rows, rows[:1]])
-            output = file.add_rows(closed.astype(np.float32))
+            output = file.add_rows(rows.astype(np.float32))
             animation.samplers.append(
                 pygltflib.AnimationSampler(input=time, output=output, interpolation="LINEAR")
             )
@@ -226,4 +227,3 @@ def _animation(
             animation.channels.append(
                 pygltflib.AnimationChannel(sampler=len(animation.samplers) - 1, target=target)
             )
-    return animation

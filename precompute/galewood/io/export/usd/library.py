@@ -8,7 +8,7 @@ from typing import Any
 
 from galewood.io.export.errors import ExportError
 
-MODULES = ("Gf", "Sdf", "Usd", "UsdGeom", "UsdShade", "UsdSkel", "Vt")
+MODULES = ("Gf", "Sdf", "Tf", "Usd", "UsdGeom", "UsdShade", "UsdSkel", "Vt")
 
 
 def usd_library() -> Any:

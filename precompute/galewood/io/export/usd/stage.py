@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from galewood.io.export.gltf_file import GltfFile
-from galewood.io.export.looped import Loop, seam_percent
+from galewood.io.export.gltf_names import give_names
+from galewood.io.export.looped import Loop, seam
 from galewood.io.export.skeletal.joints import RigidMotion, joint_motion, joint_of_vertex
 from galewood.io.export.usd.library import usd_library
 from galewood.io.export.usd.materials import add_materials
@@ -22,13 +23,12 @@ from galewood.solid.skinning import drawn_positions
 from galewood.table import Table
 from galewood.util import Floats
 
-ROOT_PRIM = "/tree"
-
 
 def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
     """Write NAME.usdc, its textures and a description; return it. Raises ExportError without usd-core."""
     pxr = usd_library()
     file = GltfFile(glb, table)
+    give_names(file.gltf, name)
     path = folder / f"{name}.usdc"
     stage = pxr.Usd.Stage.CreateNew(str(path))
     pxr.UsdGeom.SetStageUpAxis(stage, pxr.UsdGeom.Tokens.y)
@@ -37,11 +37,10 @@ def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) ->
     stage.SetFramesPerSecond(loop.fps)
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(loop.frames)
-    root = pxr.UsdSkel.Root.Define(stage, ROOT_PRIM)
-    stage.SetDefaultPrim(root.GetPrim())
-    motion = joint_motion(table, loop.q())
-    _add_skeleton(stage, table, motion)
-    _add_meshes(stage, table, file, add_materials(stage, ROOT_PRIM, file, folder, name))
+    root = f"/{pxr.Tf.MakeValidIdentifier(name)}"
+    stage.SetDefaultPrim(pxr.UsdSkel.Root.Define(stage, root).GetPrim())
+    _add_skeleton(stage, root, table, joint_motion(table, loop.keys()))
+    _add_meshes(stage, root, table, file, add_materials(stage, root, file, folder))
     stage.GetRootLayer().Save()
     rest_m = file.rest_m()
     description: dict[str, Any] = {
@@ -49,48 +48,40 @@ def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) ->
         "version": 1,
         "stage": path.name,
         "joints": len(table.joint_share),
-        "frames": loop.frames,
-        "seconds": loop.seconds,
-        "fps": loop.fps,
-        "height_m": float(table.metadata["height_m"]),
-        "wind": loop.wind.document(),
-        "measured": {
-            "error_percent_of_height": _error_percent(stage, table, rest_m, loop),
-            "seam_percent_of_height": seam_percent(table, rest_m, loop),
-        },
+        **loop.about(table),
+        "measured": {"error_percent_of_height": _error_percent(stage, table, rest_m, loop)}
+        | seam(table, rest_m, loop),
     }
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
     return description
 
 
-def _add_skeleton(stage: Any, table: Table, motion: RigidMotion) -> None:
+def _add_skeleton(stage: Any, root: str, table: Table, motion: RigidMotion) -> None:
     pxr = usd_library()
     place = table.joint_rest_m.astype(np.float64)
     names = [f"joint_{index:04d}" for index in range(len(place))]
     rest = pxr.Vt.Matrix4dArray(
         [pxr.Gf.Matrix4d().SetTranslate(pxr.Gf.Vec3d(*row)) for row in place.tolist()]
     )
-    skeleton = pxr.UsdSkel.Skeleton.Define(stage, f"{ROOT_PRIM}/skeleton")
+    skeleton = pxr.UsdSkel.Skeleton.Define(stage, f"{root}/skeleton")
     skeleton.CreateJointsAttr(names)
     skeleton.CreateBindTransformsAttr(rest)
     skeleton.CreateRestTransformsAttr(rest)
-    animation = pxr.UsdSkel.Animation.Define(stage, f"{ROOT_PRIM}/skeleton/sway")
+    animation = pxr.UsdSkel.Animation.Define(stage, f"{root}/skeleton/sway")
     animation.CreateJointsAttr(names)
     animation.CreateScalesAttr(pxr.Vt.Vec3hArray([pxr.Gf.Vec3h(1, 1, 1)] * len(names)))
     translations, rotations = animation.CreateTranslationsAttr(), animation.CreateRotationsAttr()
-    count = len(motion.moved_m)
-    for frame in range(count + 1):  # the last one is the first again
-        k = frame % count
-        where = (place + motion.moved_m[k]).astype(np.float32)
+    for frame in range(len(motion.moved_m)):
+        where = (place + motion.moved_m[frame]).astype(np.float32)
         translations.Set(pxr.Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(where)), frame)
-        turn = motion.rotation[k].astype(np.float32)
+        turn = motion.rotation[frame].astype(np.float32)
         rotations.Set(pxr.Vt.QuatfArray.FromNumpy(np.ascontiguousarray(turn)), frame)
     pxr.UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(
         [animation.GetPrim().GetPath()]
     )
 
 
-def _add_meshes(stage: Any, table: Table, file: GltfFile, materials: list[Any]) -> None:
+def _add_meshes(stage: Any, root: str, table: Table, file: GltfFile, materials: list[Any]) -> None:
     pxr = usd_library()
     identity, one = pxr.Gf.Matrix4d(1.0), np.float32(1.0)
     splits = np.cumsum(file.counts)[:-1]
@@ -98,9 +89,8 @@ def _add_meshes(stage: Any, table: Table, file: GltfFile, materials: list[Any]) 
     joints = np.split(joint_of_vertex(table), splits)
     drawn = zip(file.faces(), points, normals, joints, file.texture_coordinates(), materials, strict=True)
     for index, (faces, rest, normal, joint, uv, material) in enumerate(drawn):
-        mesh = pxr.UsdGeom.Mesh.Define(
-            stage, f"{ROOT_PRIM}/{table.metadata['primitives'][index]['kind']}_{index}"
-        )
+        part = pxr.Tf.MakeValidIdentifier(file.gltf.meshes[index].name)
+        mesh = pxr.UsdGeom.Mesh.Define(stage, f"{root}/{part}")
         mesh.CreatePointsAttr(pxr.Vt.Vec3fArray.FromNumpy(rest))
         mesh.CreateFaceVertexCountsAttr(pxr.Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
         mesh.CreateFaceVertexIndicesAttr(pxr.Vt.IntArray.FromNumpy(faces.astype(np.int32).reshape(-1)))
@@ -116,7 +106,7 @@ def _add_meshes(stage: Any, table: Table, file: GltfFile, materials: list[Any]) 
                 pxr.Vt.Vec2fArray.FromNumpy(upward)
             )
         binding = pxr.UsdSkel.BindingAPI.Apply(mesh.GetPrim())
-        binding.CreateSkeletonRel().SetTargets([pxr.Sdf.Path(f"{ROOT_PRIM}/skeleton")])
+        binding.CreateSkeletonRel().SetTargets([pxr.Sdf.Path(f"{root}/skeleton")])
         numbers = pxr.Vt.IntArray.FromNumpy(joint.astype(np.int32))
         binding.CreateJointIndicesPrimvar(False, 1).Set(numbers)
         weights = pxr.Vt.FloatArray.FromNumpy(np.full(len(joint), one))
@@ -129,13 +119,13 @@ def posed(stage: Any, frame: float) -> Floats:
     """(v, 3) the vertices of all meshes at a time code, skinned by UsdSkel itself."""
     pxr = usd_library()
     cache, found = pxr.UsdSkel.Cache(), list[Floats]()
-    root = pxr.UsdSkel.Root(stage.GetPrimAtPath(ROOT_PRIM))
-    cache.Populate(root, pxr.Usd.PrimDefaultPredicate)
-    for prim in stage.GetPrimAtPath(ROOT_PRIM).GetChildren():
+    root = stage.GetDefaultPrim()
+    cache.Populate(pxr.UsdSkel.Root(root), pxr.Usd.PrimDefaultPredicate)
+    for prim in root.GetChildren():
         if not prim.IsA(pxr.UsdGeom.Mesh):
             continue
         skin = cache.GetSkinningQuery(prim)
-        skeleton = cache.GetSkelQuery(pxr.UsdSkel.Skeleton(stage.GetPrimAtPath(f"{ROOT_PRIM}/skeleton")))
+        skeleton = cache.GetSkelQuery(pxr.UsdSkel.Skeleton(root.GetChild("skeleton")))
         points = pxr.UsdGeom.Mesh(prim).GetPointsAttr().Get()
         skin.ComputeSkinnedPoints(skeleton.ComputeSkinningTransforms(frame), points, frame)
         found.append(np.array(points, np.float64))
