@@ -296,14 +296,36 @@ def test_usd_has_all_pictures_of_the_mesh(exports: Exports, tmp_path: Path) -> N
     assert found["normal"] == ("rgb", (4, 4, 2, 1), (-2, -2, -1, 0))
 
 
-def test_usd_without_its_package_says_what_to_install(
-    exports: Exports, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("kind", "module", "says"),
+    [
+        ("usd", "pxr", "usd-core: pip install 'galewood[usd]'"),
+        ("vat", "OpenEXR", "pip install 'openexr'"),
+        ("pivots", "OpenEXR", "pip install 'openexr'"),
+    ],
+)
+def test_a_missing_package_is_noticed_before_any_work(
+    exports: Exports, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, module: str, says: str
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    reports = list[str]()
+    asked = ExportOptions(format="png") if kind == "pivots" else ExportOptions()
+    with pytest.raises(ExportError) as raised:
+        write_export(
+            exports.table, b"", kind, tmp_path / "out", "tree", asked, lambda _, text: reports.append(text)
+        )
+    assert says in str(raised.value)
+    assert reports == []
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_command_prints_the_square_brackets_of_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pxr", None)
-    with pytest.raises(ExportError, match=r"galewood\[usd\]"):
-        write_export(
-            exports.table, SHIPPED.with_suffix(".glb").read_bytes(), "usd", tmp_path, "tree", OPTIONS
-        )
+    result = CliRunner().invoke(app, ["export", str(SHIPPED), "--to", "usd", "--out", str(tmp_path / "out")])
+    assert result.exit_code == 1
+    assert "pip install 'galewood[usd]'" in result.output
 
 
 def test_the_public_function_takes_the_options_as_keywords(exports: Exports, tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import typer
 from pydantic import BaseModel, ValidationError
+from rich.markup import escape
 
 from galewood.io.cli.tools import print_error
 from galewood.options import list_fields
@@ -59,7 +60,7 @@ def with_options_of(
         switch = annotated in (bool, bool | None)
         flags = f"--{flag}/--no-{flag}" if switch else f"--{flag}"
         kind: Any = list[str] | None if name in several else annotated
-        annotation = Annotated[kind, typer.Option(flags, help=field.description)]
+        annotation = Annotated[kind, typer.Option(flags, help=escape(field.description or ""))]
         default = own_defaults.get(name, field.default)
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 

@@ -33,13 +33,13 @@ def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
 
 
 def print_error(what: str, *details: str) -> None:
-    """Print what is wrong in red, and what to do after it."""
-    console.print(Text(what, "red"), *details)
+    """Print what is wrong in red, and what to do after it; not wrapped, so that commands can be copied."""
+    console.print(Text(what, "red"), *details, soft_wrap=True)
 
 
 def print_warning(what: str, *details: str) -> None:
     """The same in yellow."""
-    console.print(Text(what, "yellow"), *details)
+    console.print(Text(what, "yellow"), *details, soft_wrap=True)
 
 
 def print_doubts(report: Mapping[str, Any]) -> None:

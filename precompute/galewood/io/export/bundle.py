@@ -13,6 +13,7 @@ from galewood.io.export.errors import ExportError
 from galewood.io.export.glb import export_glb
 from galewood.io.export.looped import Loop, looped
 from galewood.io.export.options import KINDS, ExportOptions
+from galewood.io.export.packages import check_packages
 from galewood.io.export.pivots import export_pivots
 from galewood.io.export.skeletal.bones import export_bones
 from galewood.io.export.usd.stage import export_usd
@@ -49,6 +50,7 @@ def write_export(
     chosen, report = options or ExportOptions(), on_progress or _no_progress
     if kind not in KINDS:
         raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
+    check_packages(kind, chosen)
     report(0.0, "Playing the wind")
     loop = looped(table, chosen.wind, chosen.seconds, chosen.fps, closed=chosen.loop)
     folder.mkdir(parents=True, exist_ok=True)

@@ -25,7 +25,7 @@ from galewood.util import Floats
 
 
 def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
-    """Write NAME.usdc, its textures and a description; return it. Raises ExportError without usd-core."""
+    """Write NAME.usdc, its textures and a description; return it."""
     pxr = usd_library()
     file = GltfFile(glb, table)
     give_names(file.gltf, name)
