@@ -1,4 +1,4 @@
-"""Texts that are not ours are printed as they are: square brackets are markup to Rich, and lines are not broken."""
+"""Texts are printed as they are: square brackets are markup to Rich, and commands to copy stay in one line."""
 
 from __future__ import annotations
 

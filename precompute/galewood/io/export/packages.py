@@ -16,12 +16,8 @@ EXR_KINDS: Mapping[str, frozenset[str]] = {"vat": frozenset({"exr"}), "pivots": 
 
 def check_packages(kind: str, options: ExportOptions) -> None:
     """Raises ExportError, which says what to install, if a package is missing that an export will need."""
-    uses = [
-        use
-        for use in (kind, *(["exr"] if options.format in EXR_KINDS.get(kind, ()) else []))
-        if use in NEEDED
-    ]
-    for module, package, installed in (NEEDED[use] for use in uses):
+    uses = (kind, "exr") if options.format in EXR_KINDS.get(kind, ()) else (kind,)
+    for module, package, installed in (NEEDED[use] for use in uses if use in NEEDED):
         try:
             import_module(module)
         except ImportError:
