@@ -1,4 +1,4 @@
-"""Texts are printed as they are: square brackets are markup to Rich, and commands to copy stay in one line."""
+"""Texts are printed as they are: square brackets are markup to Rich, and commands stay in one line."""
 
 from __future__ import annotations
 
