@@ -10,6 +10,8 @@ import { pathToFileURL } from "node:url";
 const REPOSITORY = resolve(__dirname, "../../..");
 export const EXAMPLES = join(REPOSITORY, "web/player/examples");
 const TREES = join(REPOSITORY, "assets/species/shipped");
+const LIGHT_TREES = join(REPOSITORY, "assets/species/light");
+const REPORTS = "/violations";
 
 const TYPES: Record<string, string> = {
   ".html": "text/html",
@@ -20,6 +22,8 @@ const TYPES: Record<string, string> = {
 
 export interface Site {
   readonly base: string;
+  /** What browsers reported of the policy. */
+  readonly violations: string[];
   close(): void;
 }
 
@@ -36,11 +40,14 @@ function passOn(service: string, request: IncomingMessage, answer: ServerRespons
 
 /**
  * Serves `folder` at /, the packages at /node_modules/ and the built-in trees at /trees/. `service`:
- * what answers at /api/ and /ws/.
+ * what answers at /api/ and /ws/. `policy`: the Content-Security-Policy of all files.
  */
-export async function site(folder: string, service?: string): Promise<Site> {
+export async function site(folder: string, { service, policy }: { service?: string; policy?: string } = {}): Promise<Site> {
+  const violations: string[] = [];
+  const security: Record<string, string> = policy ? { "content-security-policy": `${policy}; report-uri ${REPORTS}` } : {};
   const fileOf = (path: string): string => {
     if (path.startsWith("/trees/")) return join(TREES, path.slice("/trees/".length));
+    if (path.startsWith("/light/")) return join(LIGHT_TREES, path.slice("/light/".length));
     if (!path.startsWith("/node_modules/")) return join(folder, path);
     return join(REPOSITORY, path);
   };
@@ -50,11 +57,16 @@ export async function site(folder: string, service?: string): Promise<Site> {
       passOn(service, request, answer);
       return;
     }
+    if (pathname === REPORTS) {
+      request.on("data", (part: Buffer) => violations.push(part.toString()));
+      request.on("end", () => answer.writeHead(204).end());
+      return;
+    }
     let file = fileOf(pathname);
     if (existsSync(file) && statSync(file).isDirectory()) file = join(file, "index.html");
     if (pathname === "/favicon.ico") answer.writeHead(204).end();
     else if (!existsSync(file)) answer.writeHead(404).end();
-    else answer.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" }).end(readFileSync(file));
+    else answer.writeHead(200, { ...security, "content-type": TYPES[extname(file)] ?? "application/octet-stream" }).end(readFileSync(file));
   });
   server.on("upgrade", ({ url, rawHeaders }, socket) => {
     const { hostname, port } = new URL(service ?? "http://localhost");
@@ -66,7 +78,7 @@ export async function site(folder: string, service?: string): Promise<Site> {
     for (const end of [passed, socket]) end.on("error", () => [passed, socket].forEach((one) => one.destroy()));
   });
   await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
-  return { base: `http://127.0.0.1:${(server.address() as AddressInfo).port}`, close: () => {
+  return { base: `http://127.0.0.1:${(server.address() as AddressInfo).port}`, violations, close: () => {
       server.closeAllConnections();
       server.close();
     },
@@ -78,6 +90,8 @@ const inRepository = createRequire(join(REPOSITORY, "package.json"));
 const bundler = (name: string) => import(pathToFileURL(inRepository.resolve(name)).href);
 
 const PAGE = '<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script type="module" src="./app.js"></script>';
+/** Without a style in the page, which strict policies forbid. */
+const STRICT_PAGE = '<!doctype html><meta charset="utf-8"><script type="module" src="./app.js"></script>';
 
 /** A folder with the bundled plain example, for a release of three.js. */
 export type Bundle = (three: string, folder: string) => Promise<void>;
@@ -127,11 +141,11 @@ export const withWebpack: Bundle = async (three, folder) => {
   writeFileSync(join(folder, "index.html"), PAGE);
 };
 
-export const withEsbuild: Bundle = async (three, folder) => {
+async function esbuilt(scene: string, three: string, folder: string): Promise<void> {
   const { build } = await bundler("esbuild");
   const { main, addons } = filesOf(three);
   await build({
-    entryPoints: { app: SCENE, "galewood.worker": "galewood/worker" },
+    entryPoints: { app: scene, "galewood.worker": "galewood/worker" },
     bundle: true,
     format: "esm",
     logLevel: "error",
@@ -149,5 +163,15 @@ export const withEsbuild: Bundle = async (three, folder) => {
       },
     ],
   });
+}
+
+export const withEsbuild: Bundle = async (three, folder) => {
+  await esbuilt(SCENE, three, folder);
   writeFileSync(join(folder, "index.html"), PAGE);
 };
+
+/** Bundles a script beside this file, for a page with a strict policy. */
+export async function strictPage(script: string, folder: string): Promise<void> {
+  await esbuilt(join(__dirname, script), "three", folder);
+  writeFileSync(join(folder, "index.html"), STRICT_PAGE);
+}

@@ -2,7 +2,7 @@
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { type Bundle, bundled, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
+import { type Bundle, bundled, EXAMPLES, type Site, site, strictPage, withEsbuild, withVite, withWebpack } from "./examples";
 import { expect, test } from "../forest";
 import { swaying } from "../swaying";
 
@@ -22,7 +22,7 @@ test.afterEach(() => {
 
 /** Serves a folder for the test that runs. */
 async function serving(root: string, service?: string): Promise<string> {
-  served = await site(root, service);
+  served = await site(root, { service });
   return served.base;
 }
 
@@ -83,6 +83,26 @@ test("Babylon.js, moved by galewood/core", { tag: "@long" }, async ({ page }) =>
   await bundled("babylon", "three", join(folder, "babylon"));
   await page.goto(`${await serving(join(folder, "babylon"))}/`);
   await swaying(page);
+});
+
+interface Shown {
+  drawn: number;
+  green: number;
+}
+
+test("a strict Content-Security-Policy, as docs/how-to/player.md has it", { tag: "@long" }, async ({ page }) => {
+  const out = join(folder, "strict");
+  await strictPage("strict.js", out);
+  served = await site(out, { policy: "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'" });
+  await page.goto(`${served.base}/`);
+  const handle = await page.waitForFunction(() => (window as { found?: unknown }).found);
+  const found = (await handle.jsonValue()) as Shown[] | string;
+  expect(Array.isArray(found), `${found}`).toBe(true);
+  for (const { drawn, green } of found as Shown[]) {
+    expect(drawn).toBeGreaterThan(500);
+    expect(green).toBeGreaterThan(0.3 * drawn);
+  }
+  expect(served.violations).toEqual([]);
 });
 
 interface Features {

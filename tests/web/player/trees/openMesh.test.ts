@@ -1,5 +1,7 @@
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
+import { Mesh } from "three";
+import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { expect, test, vi } from "vitest";
 import { openMesh } from "../../../../web/player/src/trees/mesh/openMesh";
 import { readParts } from "../../../../web/player/src/trees/mesh/treeMesh";
@@ -36,6 +38,36 @@ test("a compressed mesh has the pieces of the mesh that it stands for", { timeou
     const [found, wanted] = [part.normal.array, expected.part.normal.array];
     for (let i = 0; i < wanted.length; i++) expect(Math.abs(found[i] - wanted[i])).toBeLessThan(0.03);
   });
+});
+
+test("a compressed mesh without WebAssembly names what a Content-Security-Policy must allow", async () => {
+  const refused = vi.spyOn(MeshoptDecoder, "decodeGltfBufferAsync");
+  refused.mockImplementation(() => Promise.reject(new WebAssembly.CompileError("unsafe-eval")));
+  await expect(openMesh(meshWithoutPictures("light/apricot-forest.glb"))).rejects.toThrow(/'wasm-unsafe-eval'/);
+  vi.restoreAllMocks();
+});
+
+test("pictures inside of a mesh are decoded without an address, each once", async () => {
+  vi.stubGlobal("self", globalThis);
+  const decoded: Blob[] = [];
+  vi.stubGlobal("createImageBitmap", (from: Blob) => {
+    decoded.push(from);
+    return Promise.resolve({ width: 4, height: 4, close() {} });
+  });
+  const addresses = vi.spyOn(URL, "createObjectURL");
+  const glb = readFileSync(
+    fileURLToPath(new URL("../../../../assets/species/shipped/apricot-forest.glb", import.meta.url)),
+  );
+  const scene = await openMesh(new Uint8Array(glb).buffer);
+  expect(addresses).not.toHaveBeenCalled();
+  expect(decoded.map(({ type }) => type)).toEqual(["image/png", "image/png", "image/png"]);
+  const maps: unknown[] = [];
+  scene.traverse((part) => {
+    if (part instanceof Mesh) maps.push(...[part.material.map, part.material.normalMap].filter((one) => one));
+  });
+  expect(maps).toHaveLength(3);
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
 });
 
 test("a mesh whose picture cannot be loaded is refused", async () => {

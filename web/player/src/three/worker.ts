@@ -8,6 +8,9 @@ import { startAt } from "./start";
 /** Longer pauses, for example of a hidden tab, are skipped. */
 const MAX_STEP_S = 0.25;
 
+/** Browsers do not say why the file of a worker does not start. */
+const UNREADABLE = "its file could not be loaded (does the Content-Security-Policy allow it as worker-src?)";
+
 /** The worker is a file beside this one. */
 export const startWorker = (): Worker =>
   startAt(
@@ -48,7 +51,7 @@ export class WorkerClient {
 
   constructor(private readonly worker: Worker) {
     worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
-    worker.onerror = (event) => this.fail(event.message || "its file could not be loaded");
+    worker.onerror = (event) => this.fail(event.message || UNREADABLE);
   }
 
   private fail(reason: string): void {

@@ -1,25 +1,55 @@
 /** Opens GLBs: compressed ones too, and such whose pictures are files of their own, which several meshes may share. */
-import { type ImageBitmapLoader, type Material, Mesh, type Object3D, type Texture } from "three";
+import { type ImageBitmapLoader, type Material, Mesh, type Object3D, Texture } from "three";
 import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
-import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { GLTFLoader, type GLTFParser } from "three/addons/loaders/GLTFLoader.js";
 
 /** Pictures by their address, loaded once for all meshes. */
 const pictures = new Map<string, Promise<ImageBitmap>>();
+/** Colours as they are in the file. */
+const AS_STORED: ImageBitmapOptions = { premultiplyAlpha: "none", colorSpaceConversion: "none" };
 /** Pictures as the graphics card keeps them, once for all textures. */
 const sources = new WeakMap<ImageBitmap, Texture["source"]>();
 
-/** The same loader for pictures inside of a GLB; one with an address of its own is loaded once. Adds those that fail to `missing`. */
-function sharing(inner: ImageBitmapLoader, missing: string[]): ImageBitmapLoader {
+/** The same loader, which loads every picture once. */
+function sharing(inner: ImageBitmapLoader): ImageBitmapLoader {
   const load: ImageBitmapLoader["load"] = (url, done, _, failed) => {
     const picture = pictures.get(url) ?? inner.loadAsync(url);
     if (url.startsWith("http")) pictures.set(url, picture);
     picture.then(done, (error: unknown) => {
       pictures.delete(url);
-      missing.push(url);
       failed?.(error);
     });
   };
   return Object.assign(Object.create(inner), { load });
+}
+
+/**
+ * Decodes the pictures inside of a GLB from its bytes. The loader would fetch them from object URLs, which a page whose
+ * Content-Security-Policy lacks `connect-src blob:` forbids. Returns pictures that could not be read: materials go without them.
+ */
+function decoding(parser: GLTFParser): string[] {
+  const inside = new Map<number, Promise<Texture>>();
+  const missing: string[] = [];
+  const byLoader = parser.loadImageSource.bind(parser);
+  const decoded = async (bufferView: number, type: string): Promise<Texture> => {
+    const bytes: ArrayBuffer = await parser.getDependency("bufferView", bufferView);
+    const texture = new Texture(await createImageBitmap(new Blob([bytes], { type }), AS_STORED));
+    texture.needsUpdate = true;
+    return texture;
+  };
+  parser.loadImageSource = (index, loader) => {
+    const { bufferView, mimeType, uri } = parser.json.images[index];
+    let texture = inside.get(index)?.then((first) => first.clone());
+    // old browsers get a loader without bitmaps, as theirs are faulty
+    if (bufferView === undefined || !("isImageBitmapLoader" in loader)) texture = byLoader(index, loader);
+    else if (!texture) {
+      texture = decoded(bufferView, mimeType);
+      inside.set(index, texture);
+    }
+    texture.catch((error: unknown) => missing.push(`${uri ?? index}: ${error}`));
+    return texture;
+  };
+  return missing;
 }
 
 /** The same picture in two textures is kept once. */
@@ -32,18 +62,25 @@ function share(material: Material): void {
   }
 }
 
+/** Browsers name another directive, which allows far more. */
+function explained(error: unknown): never {
+  if (!(error instanceof WebAssembly.CompileError)) throw error;
+  throw new Error("compressed meshes need script-src 'wasm-unsafe-eval' in the Content-Security-Policy");
+}
+
 /**
  * The scene of a GLB; throws if it is invalid or lacks a picture. `base`: the address to which those of its pictures are
  * relative, up to the last slash.
  */
 export async function openMesh(bytes: ArrayBuffer, base = ""): Promise<Object3D> {
-  const missing: string[] = [];
+  let missing: string[] = [];
   const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register((parser) => {
     const inner = parser.textureLoader;
-    if ("isImageBitmapLoader" in inner) parser.textureLoader = sharing(inner, missing);
+    if ("isImageBitmapLoader" in inner) parser.textureLoader = sharing(inner);
+    missing = decoding(parser);
     return { name: "pictures" };
   });
-  const { scene } = await loader.parseAsync(bytes, base);
+  const { scene } = await loader.parseAsync(bytes, base).catch(explained);
   if (missing[0]) throw new Error(`no picture ${missing[0]}`);
   scene.traverse((object) => {
     if (object instanceof Mesh) share(object.material as Material);
