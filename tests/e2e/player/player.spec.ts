@@ -2,6 +2,7 @@
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import type { Page } from "@playwright/test";
 import { type Bundle, bundled, EXAMPLES, type Site, site, strictPage, withEsbuild, withVite, withWebpack } from "./examples";
 import { expect, test } from "../forest";
 import { swaying } from "../swaying";
@@ -56,13 +57,15 @@ test("the custom element, whose wind can be changed", { tag: "@long" }, async ({
   await expect(page.locator("canvas")).toHaveCount(0);
 });
 
-test("react-three-fiber: trees sway, and can be clicked", { tag: "@long" }, async ({ page }) => {
+test("react-three-fiber in strict mode: trees sway, and can be clicked", { tag: "@long" }, async ({ page }) => {
+  await countWorkers(page);
   await bundled("r3f", "three", join(folder, "r3f"));
   await page.goto(`${await serving(join(folder, "r3f"))}/`);
   await swaying(page);
   const { width, height } = page.viewportSize() ?? { width: 0, height: 0 };
   await page.mouse.click(0.5 * width, 0.5 * height);
   await expect(page.locator("output")).toHaveText("Tree 1");
+  expect(await running(page)).toBe(1);
 });
 
 test("a shared forest that the service streams: everyone sees a change of the wind", { tag: "@long" }, async ({ page, context }) => {
@@ -83,6 +86,50 @@ test("Babylon.js, moved by galewood/core", { tag: "@long" }, async ({ page }) =>
   await bundled("babylon", "three", join(folder, "babylon"));
   await page.goto(`${await serving(join(folder, "babylon"))}/`);
   await swaying(page);
+});
+
+/** Counts the workers that run in a page. */
+async function countWorkers(page: Page): Promise<void> {
+  await page.addInitScript(() => {
+    const counted = Object.assign(globalThis, { running: 0 });
+    const Started = Worker;
+    class Counted extends Started {
+      private ended = false;
+      constructor(address: string | URL, options?: WorkerOptions) {
+        super(address, options);
+        counted.running++;
+      }
+      override terminate(): void {
+        if (!this.ended) counted.running--;
+        this.ended = true;
+        super.terminate();
+      }
+    }
+    globalThis.Worker = Counted;
+  });
+}
+
+const running = (page: Page) => page.evaluate(() => (globalThis as unknown as { running: number }).running);
+
+test("mounted, removed and mounted again, as by strict mode of React: no error, no worker is left", { tag: "@long" }, async ({ page }) => {
+  await countWorkers(page);
+  await page.goto(`${await serving(EXAMPLES)}/element/`);
+  const element = page.locator("galewood-forest");
+  // more often than a browser allows contexts of WebGL
+  await element.evaluate(async (one) => {
+    const parent = one.parentElement as HTMLElement;
+    for (let mount = 0; mount < 20; mount++) {
+      one.remove();
+      parent.append(one);
+      await new Promise((done) => setTimeout(done, 10 * mount));
+    }
+  });
+  await swaying(page);
+  expect(await running(page)).toBe(1);
+  await expect(page.locator("canvas")).toHaveCount(1);
+  await expect(element).not.toHaveAttribute("data-error");
+  await element.evaluate((one) => one.remove());
+  expect(await running(page)).toBe(0);
 });
 
 interface Shown {

@@ -26,16 +26,23 @@ export class GalewoodForest extends Base {
   forest: Forest | null = null;
   /** Ends everything that runs. */
   private end = () => {};
+  /** How often it was added to a document or removed. */
+  private mounts = 0;
 
   connectedCallback(): void {
+    this.removeAttribute("data-error");
+    const mount = ++this.mounts;
     this.begin().catch((error: unknown) => {
+      if (mount !== this.mounts) return; // removed from the page meanwhile
       this.setAttribute("data-error", `${error}`);
       console.error(error);
     });
   }
 
   disconnectedCallback(): void {
+    this.mounts++;
     this.end();
+    this.end = () => {};
     this.forest = null;
   }
 
@@ -46,6 +53,7 @@ export class GalewoodForest extends Base {
   private async begin(): Promise<void> {
     const forest = new Forest({ wind: windOf(this.getAttribute("wind")) });
     this.forest = forest;
+    this.end = () => forest.dispose();
     const count = Math.min(MOST_TREES, Math.max(1, Number(this.getAttribute("trees") ?? 9) || 1));
     this.style.display ||= "block";
     const stage = new Stage(this, forest, count);

@@ -1,7 +1,7 @@
 /** A forest as a component. Trees are clicked like any object of react-three-fiber. */
 import { Canvas, useFrame } from "@react-three/fiber";
 import { Forest, PRESETS } from "galewood/three";
-import { useEffect, useState } from "react";
+import { StrictMode, useEffect, useState } from "react";
 import { createRoot } from "react-dom/client";
 import { Matrix4 } from "three";
 
@@ -9,8 +9,12 @@ function Trees({ files, places, wind, ...props }) {
   const [forest, setForest] = useState(null);
   useEffect(() => {
     const made = new Forest({ wind });
-    made.plant(files, places).then(() => setForest(made), console.error);
-    return () => made.dispose();
+    const failed = (error) => error.name === "AbortError" || console.error(error); // disposed of meanwhile
+    made.plant(files, places).then(() => setForest(made), failed);
+    return () => {
+      setForest(null);
+      made.dispose();
+    };
   }, [files, places, wind]);
   useFrame(({ camera }, dt_s) => forest?.update(dt_s, camera));
   return forest && <primitive object={forest} {...props} />;
@@ -49,4 +53,8 @@ function App() {
   );
 }
 
-createRoot(document.getElementById("root")).render(<App />);
+createRoot(document.getElementById("root")).render(
+  <StrictMode>
+    <App />
+  </StrictMode>,
+);

@@ -85,6 +85,7 @@ export class Stage {
     this.renderer.setAnimationLoop(null);
     this.forest.dispose();
     this.renderer.dispose();
+    this.renderer.forceContextLoss(); // browsers allow few contexts, and free them late
     this.renderer.domElement.remove();
   }
 
