@@ -31,8 +31,9 @@ class Problem:
     status: int
     code: str
     title: str
-    detail: str
     hint: str
+    detail: str = ""
+    """What the title does not say; empty: nothing, and then the response has none."""
     retry_after_s: int | None = None
 
     def response(self, headers: Mapping[str, str] | None = None) -> JSONResponse:
@@ -41,7 +42,7 @@ class Problem:
             "type": f"urn:galewood:problem:{self.code}",
             "title": self.title,
             "status": self.status,
-            "detail": self.detail,
+            **({"detail": self.detail} if self.detail not in ("", self.title) else {}),
             "hint": self.hint,
             "code": self.code,
         }
@@ -65,7 +66,7 @@ class ProblemError(Exception):
         headers: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__(title)
-        self.problem = Problem(status=status, code=code, title=title, detail=detail or title, hint=hint)
+        self.problem = Problem(status=status, code=code, title=title, detail=detail, hint=hint)
         self.headers = headers
 
 
@@ -86,9 +87,7 @@ MESH_STATUS: dict[Reason, int] = {"malformed": 400, "too-large": 413, "unsupport
 
 
 def _from_mesh(error: MeshError) -> Problem:
-    detail = str(error) or error.title
-    status = MESH_STATUS[error.reason]
-    return Problem(status=status, code=error.code, title=error.title, detail=detail, hint=error.hint)
+    return Problem(status=MESH_STATUS[error.reason], code=error.code, title=error.title, hint=error.hint)
 
 
 def _from_wind(error: WindError) -> Problem:
@@ -110,7 +109,7 @@ def _from_validation(error: RequestValidationError) -> Problem:
 def _from_http(error: HTTPException) -> Problem:
     title = str(error.detail) or HTTPStatus(error.status_code).phrase
     code = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
-    return Problem(status=error.status_code, code=code, title=title, detail=title, hint="See /docs.")
+    return Problem(status=error.status_code, code=code, title=title, hint="See /docs.")
 
 
 def _from_multipart(error: MultiPartException) -> Problem:

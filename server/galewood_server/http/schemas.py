@@ -197,12 +197,13 @@ class Readiness(BaseModel):
 
 
 class ProblemOut(BaseModel):
-    """Problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users."""
+    """Problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users.
+    There is a `detail` only where it says more than `title` and `hint`."""
 
     type: str
     title: str
     status: int
-    detail: str
+    detail: str | None = None
     hint: str
     code: str
 

@@ -470,12 +470,15 @@ export interface Schemas {
     streamlined_exponent: number;
     source: string;
   };
-  /** Problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users. */
+  /**
+   * Problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users. There
+   * is a `detail` only where it says more than `title` and `hint`.
+   */
   ProblemOut: {
     type: string;
     title: string;
     status: number;
-    detail: string;
+    detail?: string | null;
     hint: string;
     code: string;
   };
