@@ -9,7 +9,8 @@ import { startAt } from "./start";
 const MAX_STEP_S = 0.25;
 
 /** Browsers do not say why the file of a worker does not start. */
-const UNREADABLE_FILE = "its file could not be loaded (does the Content-Security-Policy allow it as worker-src?)";
+const UNREADABLE_FILE =
+  "its file could not be loaded (does the Content-Security-Policy allow it as worker-src?)";
 
 /** The worker is a file beside this one. */
 export const startWorker = (): Worker =>
