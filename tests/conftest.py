@@ -19,8 +19,8 @@ LONG_FILES = (
     "test_leases", "test_outline", "test_support", "test_determinism", "test_guarded_process", "test_stop",
     "test_evaluations", "test_shipped_trees", "test_openapi", "test_structure", "test_corpus",
     "test_piece_choices", "test_shown_names", "test_conversions", "test_socket_fuzz", "test_open_connections",
-    "test_doctor", "test_mesh_formats_hostile", "test_container_scripts", "test_damaged_rows", "test_confinement",
-    "test_event_streams", "test_mesh_import_process", "test_mesh_nesting", "test_client",
+    "test_doctor", "test_mesh_formats_hostile", "test_container_scripts", "test_damaged_rows",
+    "test_confinement", "test_event_streams", "test_mesh_import_process", "test_mesh_nesting", "test_client",
     "test_generated_client", "test_model_file", "test_untrusted_results", "test_dependencies", "test_release",
     "test_pulled_pole",
 )  # fmt: skip
