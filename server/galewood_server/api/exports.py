@@ -53,6 +53,7 @@ class _Source:
 
     table_sha256: str
     mesh_sha256: str
+    compliance_sha256: str | None
     name: str
 
 
@@ -69,7 +70,8 @@ async def get_export(
     query: Annotated[ExportQuery, Query()],
 ) -> Response:
     """A tree that sways, by default in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB),
-    `pivots` (for Unreal), `usd`, or `glb` (morph targets). The first request for it takes some seconds."""
+    `pivots` (for Unreal), `usd`, `glb` (morph targets), or `mjcf` (rigid bodies for MuJoCo, without a loop).
+    The first request for it takes some seconds."""
     options = query.options()
     source = await asyncio.to_thread(_source, service, tree_id, options.name)
     key = _key(source, kind, options)
@@ -100,7 +102,8 @@ def _wind(text: str) -> Wind:
 def _source(service: Service, tree_id: str, name: str | None) -> _Source:
     with service.sessions() as session:
         tree = computed_tree(session, tree_id)
-        return _Source(tree.table_sha256 or "", tree.mesh_sha256 or "", name or file_name(tree.name))
+        known = tree.table_sha256 or "", tree.mesh_sha256 or "", tree.compliance_sha256
+        return _Source(*known, name or file_name(tree.name))
 
 
 def _key(source: _Source, kind: str, options: ExportOptions) -> str:
@@ -113,4 +116,6 @@ def _export(service: Service, source: _Source, kind: str, options: ExportOptions
 
     stores = service.stores
     table, mesh = stores.tables.get(source.table_sha256), stores.meshes.get(source.mesh_sha256)
-    write_atomically(target, export_limited(table, mesh, kind, source.name, options))
+    wanted = source.compliance_sha256 if kind == "mjcf" else None
+    compliance = stores.compliances.get(wanted) if wanted else None
+    write_atomically(target, export_limited(table, mesh, kind, source.name, options, compliance))

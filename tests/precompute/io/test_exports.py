@@ -38,6 +38,7 @@ GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
 VALIDATOR = REPOSITORY / "node_modules/gltf-validator"
 WIND = Wind(mean_speed_m_s=9.0, gustiness=0.7, seed=3)
 OPTIONS = ExportOptions(wind=WIND, seconds=2.0, fps=12.0)
+LOOPED = tuple(kind for kind in KINDS if kind != "mjcf")
 ERROR, SEAM = 0.1, 0.05  # % of the height
 
 
@@ -68,7 +69,7 @@ class Exports:
 def exports(tmp_path_factory: pytest.TempPathFactory) -> Exports:
     folder = tmp_path_factory.mktemp("exports")
     table, glb = decode(SHIPPED.read_bytes()), SHIPPED.with_suffix(".glb").read_bytes()
-    told = {kind: write_export(table, glb, kind, folder / kind, "tree", OPTIONS) for kind in KINDS}
+    told = {kind: write_export(table, glb, kind, folder / kind, "tree", OPTIONS) for kind in LOOPED}
     png = OPTIONS.model_copy(update={"format": "png"})
     told["vat-png"] = write_export(table, glb, "vat", folder / "vat-png", "tree", png)
     rest = np.concatenate(
@@ -373,7 +374,7 @@ def test_the_khronos_validator_finds_no_error(exports: Exports) -> None:
     assert [report for report in reports if report["broken"]] == []
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", LOOPED)
 def test_still_air_can_be_exported(tmp_path: Path, kind: str) -> None:
     """Nothing moves: no range to scale by, no channel to animate."""
     table, glb = decode(SHIPPED.read_bytes()), SHIPPED.with_suffix(".glb").read_bytes()

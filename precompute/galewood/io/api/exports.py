@@ -28,18 +28,20 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
     Args:
         table: The table, with its mesh.
         options: As keywords. ``to``: what to write, "vat" (vertex animation textures), "bones" (a rigged
-            GLB), "pivots" (for Unreal), "usd", or "glb" (morph targets). ``out``: folder to write, created
-            if needed. ``name``: name of the files and of what is in them, by default that of the
-            table's file. ``wind``: by default one of 8 m/s. ``seconds``: length of the
-            motion, rounded to steps of the table. ``loop``: whether its end meets its beginning, in the wind
-            made periodic. ``fps``: frames per second. ``format``: textures of "vat", "exr" or "png".
-            ``bones``: most bones of a skeleton. ``on_progress``: receives the fraction done and a message.
+            GLB), "pivots" (for Unreal), "usd", "glb" (morph targets), or "mjcf" (rigid bodies for MuJoCo,
+            which ignore wind and loop). ``out``: folder to write, created if needed. ``name``: name of the
+            files and of what is in them, by default that of the table's file. ``wind``: by default one of
+            8 m/s. ``seconds``: length of the motion, rounded to steps of the table. ``loop``: whether its end
+            meets its beginning, in the wind made periodic. ``fps``: frames per second. ``format``: textures
+            of "vat", "exr" or "png". ``bones``: most bones of a skeleton, or bodies. ``on_progress``:
+            receives the fraction done and a message.
 
     Returns:
-        The description that is also written as JSON; ``measured`` holds error and seam, in % of the height.
+        The description that is also written as JSON; ``measured`` holds error and seam, in % of the height
+        ("mjcf": errors of frequencies, damping and deflection, %).
 
     Raises:
-        ExportError: A package is missing, or the mesh is another tree's (a ValueError).
+        ExportError: A package or a file is missing, or the mesh is another tree's (a ValueError).
         pydantic.ValidationError: An option is unknown or out of range (a ValueError).
         ValueError: The table has no mesh.
     """
@@ -53,4 +55,5 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
         options.name or file_name(table.name),
         options,
         options.on_progress,
+        table.compliance,
     )

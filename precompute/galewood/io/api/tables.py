@@ -18,7 +18,7 @@ from galewood.io.api.cache import default_cache_dir
 from galewood.io.api.keywords import with_keywords_of
 from galewood.io.api.trees import Tree
 from galewood.options import TableRequest
-from galewood.pipeline.results import bare_path
+from galewood.pipeline.results import bare_path, read_compliance, write_compliance
 from galewood.pipeline.stages import Progress, build_tree
 from galewood.pipeline.tables import BuildOptions
 from galewood.table import Foliage, Table, decode
@@ -39,6 +39,8 @@ class MotionTable:
     """The table of the same tree and mesh without its leaves, if it was built too (``bare_table=True``)."""
     name: str = "tree"
     """What the tree's file is called; exports take it."""
+    compliance: bytes | None = field(default=None, repr=False)
+    """The compliance file (spec/formats/compliance.md), which exports to MuJoCo need; None: not known."""
 
     @cached_property
     def table(self) -> Table:
@@ -86,7 +88,7 @@ class MotionTable:
         return self.render_glb
 
     def save(self, path: str | Path) -> None:
-        """Write the table, and beside it the mesh that it moves (same name, .glb).
+        """Write the table, and beside it the mesh that it moves (same name, .glb) and its compliance file.
 
         The bare table, if there is one, is written beside tree.gwt as tree.bare.gwt, with its mesh.
         """
@@ -96,6 +98,8 @@ class MotionTable:
             self.bare.save(bare_path(path))
         if self.render_glb is not None:
             write_atomically(path.with_suffix(".glb"), self.render_glb)
+        if self.compliance is not None:
+            write_compliance(path, self.compliance)
 
 
 class BuildCall(TableRequest):
@@ -130,12 +134,13 @@ def build(tree: Tree, options: BuildCall) -> MotionTable:
         options.on_progress or (lambda progress: None),
         options.cache_dir or default_cache_dir(),
     )
-    bare = MotionTable(result.bare_table, result.render_glb, name=tree.name) if result.bare_table else None
-    return MotionTable(result.whole_table(), result.render_glb, result.report, bare, tree.name)
+    shared: dict[str, Any] = {"name": tree.name, "compliance": result.compliance}
+    bare = MotionTable(result.bare_table, result.render_glb, **shared) if result.bare_table else None
+    return MotionTable(result.whole_table(), result.render_glb, result.report, bare, **shared)
 
 
 def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:
-    """Load a table file, and the mesh beside it (same name, .glb) or at ``mesh``.
+    """Load a table file, its compliance file, and the mesh beside it (same name, .glb) or at ``mesh``.
 
     Raises:
         TableError: The file is not a table, or one of a version that is not read.
@@ -144,7 +149,7 @@ def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:
     path = Path(path)
     beside = Path(mesh) if mesh is not None else path.with_suffix(".glb")
     glb = beside.read_bytes() if mesh is not None or beside.exists() else None
-    loaded = MotionTable(path.read_bytes(), glb, name=path.stem)
+    loaded = MotionTable(path.read_bytes(), glb, name=path.stem, compliance=read_compliance(path))
     _ = loaded.table  # raises here rather than later
     return loaded
 

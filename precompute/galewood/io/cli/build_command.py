@@ -25,7 +25,9 @@ from galewood.pipeline.tables import BuildOptions
 if TYPE_CHECKING:
     from galewood.util import MeshError
 
-Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
+Out = Annotated[
+    Path, typer.Option(help="Table file to write; its mesh and its compliance file are written beside it.")
+]
 Artefacts = Annotated[
     Path | None,
     typer.Option(
@@ -126,7 +128,7 @@ def _build_one(
 ) -> None:
     """Build one tree. MeshError."""
     from galewood.formats import mesh_with_companions
-    from galewood.pipeline.results import bare_path
+    from galewood.pipeline.results import bare_path, write_compliance
     from galewood.pipeline.stages import build_table
     from galewood.pipeline.tables import expected_motion, import_lines, motion_lines, tree_lines
     from galewood.solid.skinning import distortion_line
@@ -160,6 +162,8 @@ def _build_one(
     if result.bare_table:
         bare_path(out).write_bytes(result.bare_table)
         bare_path(out).with_suffix(".glb").write_bytes(result.render_glb)
+    if result.compliance:
+        write_compliance(out, result.compliance)
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
     drawn = result.report["drawn"]
     told = [drawn, *(result.report["model"].get(name, {}) for name in ("rest_pose", "stiffness"))]

@@ -27,7 +27,9 @@ TableFile = Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Ta
 Out = Annotated[Path | None, typer.Option(help="Folder to write; default: TABLE-KIND.")]
 To = Annotated[
     str,
-    typer.Option(help="vat (textures), bones (rigged GLB), pivots (Unreal), usd, or glb (morph targets)."),
+    typer.Option(
+        help="vat (textures), bones (rigged GLB), pivots (Unreal), usd, glb (morphs), or mjcf (MuJoCo)."
+    ),
 ]
 MESH_HELP = "Mesh of the table; default: TABLE with .glb."
 Mesh = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help=MESH_HELP)]
@@ -47,9 +49,10 @@ def export(
     json_out: JsonOut = None,
     **chosen: Any,
 ) -> None:
-    """Write a tree that sways in a wind for engines (vat, bones, pivots), USD, or as an animated GLB."""
+    """Write a tree that sways in a wind for engines (vat, bones, pivots), USD or MuJoCo, or as a GLB."""
     from galewood.io.export import ExportError, ExportOptions, file_name
     from galewood.motion.wind import WindError
+    from galewood.pipeline.results import read_compliance
     from galewood.table import TableError, decode
 
     moving = validated(Moving, chosen)
@@ -59,9 +62,10 @@ def export(
         named["name"] = moving.name or file_name(table.stem)
         options = ExportOptions(wind=wind, **named)
         folder = _folder(out or table.with_name(f"{table.stem}-{to}"))
-        _write(decoded, glb, to, folder, options, json_out)
-    except (ExportError, TableError, WindError, OSError, ValueError) as error:
-        print_error(str(error))
+        compliance = read_compliance(table) if to == "mjcf" else None
+        _write(decoded, glb, to, folder, options, json_out, compliance)
+    except (ExportError, TableError, WindError, KeyError, OSError, ValueError) as error:
+        print_error(str(error.args[0] if isinstance(error, KeyError) else error))
         raise typer.Exit(1) from None
 
 
@@ -83,20 +87,39 @@ def _mesh_of(table: Path, mesh: Path | None) -> bytes:
 
 
 def _write(
-    table: Table, glb: bytes, to: str, out: Path, options: ExportOptions, json_out: Path | None
+    table: Table,
+    glb: bytes,
+    to: str,
+    out: Path,
+    options: ExportOptions,
+    json_out: Path | None,
+    compliance: bytes | None,
 ) -> None:
     from galewood.io.export import write_export
 
     name = options.name or "tree"
     with progress_bar() as bar:
-        figures = write_export(table, glb, to, out, name, options, progress_reporter(bar))
+        figures = write_export(table, glb, to, out, name, options, progress_reporter(bar), compliance)
     write_figures(json_out, figures)
     size = sum(path.stat().st_size for path in out.iterdir() if path.name.startswith(name))
     console.print(f"{out}: {size / 1e6:.1f} MB")
+    if to == "mjcf":
+        _tell_fit(figures)
+        return
     measured = figures.get("measured") or figures.get("rigged", {}).get("measured", {})
     for measure, percent in measured.items():
         said = measure.removesuffix("_percent_of_height").replace("_", " ")
         console.print(f"  {said}: {percent:.3g} % of height")
+
+
+def _tell_fit(figures: dict[str, Any]) -> None:
+    measured = figures["measured"]
+    console.print(f"  {figures['bodies']} bodies, {figures['mass_kg']:.0f} kg")
+    for told in ("frequency", "damping"):
+        worst = max(abs(percent) for percent in measured[f"{told}_error_percent"])
+        console.print(f"  {told} of the first modes: within {worst:.2g} % of the table")
+    off = measured["deflection_error_percent"]["median"]
+    console.print(f"  deflection under point forces: {off:.2g} % off (median)")
 
 
 def register(app: typer.Typer) -> None:

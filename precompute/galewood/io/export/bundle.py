@@ -12,6 +12,7 @@ from typing import Any
 from galewood.io.export.errors import ExportError
 from galewood.io.export.glb import export_glb
 from galewood.io.export.looped import Loop, looped
+from galewood.io.export.mjcf.export import export_mjcf
 from galewood.io.export.options import KINDS, ExportOptions
 from galewood.io.export.packages import check_packages
 from galewood.io.export.pivots import export_pivots
@@ -32,6 +33,7 @@ def write_export(
     name: str,
     options: ExportOptions | None = None,
     on_progress: OnProgress | None = None,
+    compliance: bytes | None = None,
 ) -> dict[str, Any]:
     """Write an export of a tree to ``folder``, which is created; return its description.
 
@@ -43,14 +45,20 @@ def write_export(
         name: Name of the files, without ending.
         options: What to export.
         on_progress: Receives the completed fraction and a message.
+        compliance: The compliance file of the tree, which "mjcf" needs.
 
     Raises:
-        ExportError: There is no such kind, the mesh is another tree's, or a package is missing.
+        ExportError: There is no such kind, the mesh is another tree's, or a package or a file is missing.
     """
     chosen, report = options or ExportOptions(), on_progress or _no_progress
     if kind not in KINDS:
         raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
     check_packages(kind, chosen)
+    if kind == "mjcf":
+        report(0.0, "Fitting rigid bodies to the tree")
+        description = export_mjcf(table, glb, compliance, folder, name, chosen.bones)
+        report(1.0, "Done")
+        return description
     report(0.0, "Playing the wind")
     loop = looped(table, chosen.wind, chosen.seconds, chosen.fps, closed=chosen.loop)
     folder.mkdir(parents=True, exist_ok=True)

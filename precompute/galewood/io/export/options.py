@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 
 from galewood.motion.wind import Wind
 
-ExportKind = Literal["vat", "bones", "pivots", "usd", "glb"]
+ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "mjcf"]
 KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
 TextureFormat = Literal["exr", "png"]
 EXPORT_REVISION = 2
@@ -38,7 +38,7 @@ class LoopOptions(BaseModel):
     )
     fps: float = Field(default=30.0, ge=5, le=120, description="Frames per second.")
     format: TextureFormat = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
-    bones: int = Field(default=MOST_BONES, ge=4, description="Maximum number of bones.")
+    bones: int = Field(default=MOST_BONES, ge=4, description="Maximum number of bones; mjcf: of bodies.")
 
 
 class ExportOptions(LoopOptions):

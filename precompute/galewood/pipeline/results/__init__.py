@@ -1,7 +1,7 @@
 """The result of a build, and the forms in which it is distributed with the software."""
 
 from galewood.pipeline.results.light import LIGHT_FOLDER, PICTURES_FOLDER, light_mesh, write_light
-from galewood.pipeline.results.result import BuildResult, bare_path
+from galewood.pipeline.results.result import BuildResult, bare_path, read_compliance, write_compliance
 from galewood.pipeline.results.shipped import (
     BUILTIN_OPTIONS,
     PICTURE_SUFFIX,
@@ -23,7 +23,9 @@ __all__ = [
     "bare_path",
     "build_key",
     "light_mesh",
+    "read_compliance",
     "read_shipped",
+    "write_compliance",
     "write_light",
     "write_shipped",
 ]

@@ -1,0 +1,196 @@
+"""Trees for MuJoCo, held against their tables and finite elements in MuJoCo itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import galewood
+import numpy as np
+import pytest
+from galewood.io.cli.commands import app
+from galewood.io.export import ExportError, ExportOptions, write_export
+from galewood.io.export.gltf_file import GltfFile
+from galewood.io.export.mjcf.chain import gravity, mass_matrix
+from galewood.io.export.mjcf.document import body_names
+from galewood.io.export.mjcf.fitted import FittedTree, fitted_tree
+from galewood.io.export.mjcf.solid import Solid
+from galewood.io.export.mjcf.targets import oscillators
+from galewood.pipeline.results import read_compliance
+from galewood.table import Table, decode, decode_compliance
+from typer.testing import CliRunner
+
+from tests.precompute.fixtures.mujoco_trees import (
+    Linear,
+    blown,
+    deflection_errors,
+    linearised,
+    ring_down,
+    upright,
+    wood_rings,
+)
+
+mujoco: Any = import_module("mujoco")
+SHIPPED = Path(__file__).parents[3] / "assets/species/shipped/apricot-forest.table"
+FEW = 70
+MODES = 5
+FREQUENCY, DAMPING, DEFLECTION = 0.05, 0.10, 0.05
+SEED = 5
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A tree in MuJoCo."""
+
+    folder: Path
+    table: Table
+    rest_m: Any
+    told: dict[str, Any]
+    model: Any
+    linear: Linear
+
+
+def exported(folder: Path, bodies: int, foliage: str = "") -> Tree:
+    table = decode(SHIPPED.with_suffix(f"{foliage}.table").read_bytes())
+    glb = SHIPPED.with_suffix(".glb").read_bytes()
+    options = ExportOptions(bones=bodies)
+    told = write_export(table, glb, "mjcf", folder, "tree", options, compliance=read_compliance(SHIPPED))
+    model = mujoco.MjModel.from_xml_path(str(folder / "tree.xml"))
+    return Tree(folder, table, GltfFile(glb, table).rest_m(), told, model, linearised(model))
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Tree:
+    return exported(tmp_path_factory.mktemp("mjcf"), FEW)
+
+
+def test_it_stands_still_in_its_own_weight(tree: Tree) -> None:
+    data = mujoco.MjData(tree.model)
+    mujoco.mj_step(tree.model, data, 100)
+    assert np.abs(data.qpos).max() < 1e-5
+    assert data.ncon == 0
+    assert tree.told["bodies"] == FEW
+    assert tree.model.body_mass.sum() == pytest.approx(tree.told["mass_kg"], rel=1e-5)
+
+
+def test_it_sways_at_the_frequencies_of_the_table(tree: Tree) -> None:
+    given = np.array(tree.table.metadata["frequencies_hz"][:MODES])
+    assert np.abs(tree.linear.frequency_hz[:MODES] / given - 1).max() < FREQUENCY
+
+
+def test_it_rings_down_as_the_table_does(tree: Tree) -> None:
+    alpha, beta = oscillators(tree.table, tree.rest_m).rayleigh()
+    omega = 2 * np.pi * np.array(tree.table.metadata["frequencies_hz"][:MODES])
+    found = ring_down(tree.model, tree.linear, MODES)
+    assert np.abs(found / (0.5 * (alpha / omega + beta * omega)) - 1).max() < DAMPING
+
+
+def test_a_steady_wind_bends_it_as_the_table_does(tree: Tree) -> None:
+    sway = blown(tree.model, tree.told, tree.table, tree.rest_m, 8, 8.0)
+    assert sway.warnings == 0
+    last = slice(len(sway.by_table) // 3, None)
+    given = sway.by_table[last].mean(axis=0)
+    assert np.linalg.norm(sway.by_mujoco[last].mean(axis=0) - given) < 0.1 * np.linalg.norm(given)
+
+
+def test_the_linear_chain_is_mujocos(tree: Tree) -> None:
+    """Mass matrix and stiffness, gravity included, against those that MuJoCo itself computes."""
+    fitted = _fitted(tree)
+    # MuJoCo numbers the bodies depth first
+    names = body_names(fitted.tree, "tree")
+    order = [names.index(tree.model.body(body).name) for body in range(2, tree.model.nbody)]
+    hinge = (3 * np.array(order)[:, None] + np.arange(3)).ravel()
+    mass = mass_matrix(fitted.tree, fitted.masses)[np.ix_(hinge, hinge)]
+    assert np.abs(mass - tree.linear.mass).max() < 1e-5 * np.abs(mass).max()
+    springs = fitted.stiffness[hinge]
+    stiffness = np.diag(springs) + gravity(fitted.tree, fitted.masses)[1][np.ix_(hinge, hinge)]
+    assert np.abs(stiffness - tree.linear.stiffness).max() < 1e-4 * np.abs(stiffness).max()
+    soft = np.argsort(springs)[: len(mass) // 2]
+    off = (stiffness - tree.linear.stiffness)[np.ix_(soft, soft)]
+    assert np.abs(off).max() < 1e-3 * np.abs(stiffness[np.ix_(soft, soft)]).max()
+
+
+def _fitted(tree: Tree) -> FittedTree:
+    compliance = decode_compliance(read_compliance(SHIPPED) or b"")
+    faces = GltfFile(SHIPPED.with_suffix(".glb").read_bytes(), tree.table).faces()
+    return fitted_tree(tree.table, compliance, tree.rest_m, faces, FEW)
+
+
+def test_the_skins_are_the_drawn_mesh(tree: Tree) -> None:
+    model = tree.model
+    assert model.nskin == len(tree.table.metadata["primitives"])
+    assert np.abs(model.skin_vert - upright(tree.rest_m)).max() < 1e-5
+    total = np.zeros(model.nskinvert)
+    for skin in range(model.nskin):
+        first = int(model.skin_boneadr[skin])
+        for bone in range(first, first + int(model.skin_bonenum[skin])):
+            held = slice(
+                model.skin_bonevertadr[bone], model.skin_bonevertadr[bone] + model.skin_bonevertnum[bone]
+            )
+            place = model.skin_bonebindpos[bone]
+            assert np.abs(place - _rest_place(model, int(model.skin_bonebodyid[bone]))).max() < 1e-5
+            total[model.skin_vertadr[skin] + model.skin_bonevertid[held]] += model.skin_bonevertweight[held]
+    assert np.abs(total - 1).max() < 1e-5
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    wood = model.geom_type == mujoco.mjtGeom.mjGEOM_CAPSULE
+    assert wood.sum() >= FEW
+    assert data.geom_xpos[wood, 2].max() < float(tree.table.metadata["height_m"])
+
+
+def _rest_place(model: Any, body: int) -> Any:
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return data.xpos[body]
+
+
+def test_a_table_without_leaves_has_their_mass_removed(tmp_path: Path) -> None:
+    bare = exported(tmp_path, FEW, ".bare")
+    # of the finite element model without leaves, as the report of the build has it
+    assert bare.told["mass_kg"] == pytest.approx(82.94, rel=0.02)
+    given = np.array(bare.table.metadata["frequencies_hz"][:MODES])
+    assert np.abs(bare.linear.frequency_hz[:MODES] / given - 1).max() < FREQUENCY
+    assert not any("leaves" in path.name for path in tmp_path.iterdir())
+
+
+@pytest.mark.long
+def test_forces_deflect_it_as_they_do_the_finite_elements(tmp_path: Path) -> None:
+    whole = exported(tmp_path, 256)
+    solid = Solid(decode_compliance(read_compliance(SHIPPED) or b""))
+    print("seed", SEED)
+    rng = np.random.default_rng(SEED)
+    rings = wood_rings(whole.table, solid.binding, 1, 50, rng)
+    yields = solid.response(np.stack([solid.binding[ring].toarray()[0] for ring in rings]))
+    off = deflection_errors(whole.model, whole.linear, whole.table, whole.rest_m, rings, yields, rng)
+    # dents in the wood around a force are no part of rigid bodies
+    assert np.median(off) < DEFLECTION
+    assert (off < DEFLECTION).sum() >= 40
+
+
+def test_without_a_compliance_file_it_says_what_is_missing_and_writes_nothing(tmp_path: Path) -> None:
+    table, glb = decode(SHIPPED.read_bytes()), SHIPPED.with_suffix(".glb").read_bytes()
+    with pytest.raises(ExportError, match="compliance file"):
+        write_export(table, glb, "mjcf", tmp_path / "out", "tree")
+    with pytest.raises(ExportError, match="cannot be read"):
+        write_export(table, glb, "mjcf", tmp_path / "out", "tree", compliance=b"damaged")
+    other = read_compliance(SHIPPED.with_name("maple.table"))
+    with pytest.raises(ExportError, match="another tree"):
+        write_export(table, glb, "mjcf", tmp_path / "out", "tree", compliance=other)
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_command_finds_the_file_beside_the_table(tmp_path: Path) -> None:
+    loaded = galewood.load(SHIPPED)
+    assert loaded.compliance is not None
+    loaded.save(tmp_path / "mine.gwt")
+    again = galewood.load(tmp_path / "mine.gwt")
+    assert again.compliance == loaded.compliance
+    run = CliRunner().invoke(app, ["export", str(tmp_path / "mine.gwt"), "--to", "mjcf", "--bones", "12"])
+    assert run.exit_code == 0, run.output
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "mine-mjcf/tree.xml")).nv == 36
+    (tmp_path / "mine.compliance.gz").unlink()
+    run = CliRunner().invoke(app, ["export", str(tmp_path / "mine.gwt"), "--to", "mjcf"])
+    assert run.exit_code == 1
+    assert "compliance" in run.output
