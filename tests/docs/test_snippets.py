@@ -106,6 +106,7 @@ def test_the_pages_have_the_code_that_is_tested() -> None:
     assert found == {
         "README.md",
         "docs/tutorial.md",
+        "docs/how-to/export-mujoco.md",  # by tests/precompute/io/test_mjcf.py
         "docs/how-to/notebook.md",
         "docs/how-to/wind-measurements.md",
     }

@@ -77,6 +77,10 @@ def names_of(node: ast.AST) -> list[str]:
             name in IMPORTING_CALLS
         ):
             return [module]
+        case ast.Call(
+            func=ast.Name(id=name), args=[ast.JoinedStr(values=[ast.Constant(value=str(start)), *_]), *_]
+        ) if name in IMPORTING_CALLS:
+            return [start.rstrip(".")]
         case _:
             return []
 

@@ -74,6 +74,10 @@ async def get_export(
     The first request for it takes some seconds."""
     options = query.options()
     source = await asyncio.to_thread(_source, service, tree_id, options.name)
+    if kind == "mjcf" and source.compliance_sha256 is None:
+        title = "This tree has no compliance file, which MuJoCo needs"
+        hint = "It is stored when the computation ends. Trees of very many nodes have none: export bones."
+        raise ProblemError(409, "no-compliance", title, hint=hint)
     key = _key(source, kind, options)
     name = f"{source.name}-{kind}.zip"
     headers = {"ETag": f'"{key[:32]}"', "Cache-Control": "no-cache"}

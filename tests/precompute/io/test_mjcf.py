@@ -155,6 +155,18 @@ def test_a_table_without_leaves_has_their_mass_removed(tmp_path: Path) -> None:
     assert not any("leaves" in path.name for path in tmp_path.iterdir())
 
 
+def test_the_code_of_the_page_runs(
+    tree: Tree, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = Path(__file__).parents[3].joinpath("docs/how-to/export-mujoco.md").read_text(encoding="utf-8")
+    code = page.partition("```python\n")[2].partition("```")[0]
+    assert code.count("tree-mjcf/") == 2 and code.count("< 20") == 1
+    monkeypatch.chdir(tree.folder)
+    exec(code.replace("tree-mjcf/", "").replace("< 20", "< 0.1"), {})
+    height_m = float(capsys.readouterr().out.strip(" []\n").split()[2])
+    assert 0 < height_m < float(np.ptp(tree.rest_m[:, 1]))
+
+
 @pytest.mark.long
 def test_forces_deflect_it_as_they_do_the_finite_elements(tmp_path: Path) -> None:
     whole = exported(tmp_path, 256)
@@ -189,7 +201,7 @@ def test_the_command_finds_the_file_beside_the_table(tmp_path: Path) -> None:
     assert again.compliance == loaded.compliance
     run = CliRunner().invoke(app, ["export", str(tmp_path / "mine.gwt"), "--to", "mjcf", "--bones", "12"])
     assert run.exit_code == 0, run.output
-    assert mujoco.MjModel.from_xml_path(str(tmp_path / "mine-mjcf/tree.xml")).nv == 36
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "mine-mjcf/mine.xml")).nv == 36
     (tmp_path / "mine.compliance.gz").unlink()
     run = CliRunner().invoke(app, ["export", str(tmp_path / "mine.gwt"), "--to", "mjcf"])
     assert run.exit_code == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import json
 import zipfile
@@ -21,9 +22,16 @@ SOURCE = b"mesh of a small tree"
 SHORT = {"seconds": "1", "fps": "10"}
 
 
+COMPLIANCE = gzip.decompress((SHIPPED / "apricot-forest.compliance.gz").read_bytes())
+
+
 @pytest.fixture
 def server(start_server: StartServer, tmp_path: Path) -> Server:
-    """A server with one computed tree, "small", and one that is not, "other"."""
+    return with_one_tree(start_server, tmp_path, COMPLIANCE)
+
+
+def with_one_tree(start_server: StartServer, tmp_path: Path, compliance: bytes | None) -> Server:
+    """A server with one computed tree, "small"."""
     folder = tmp_path / "species"
     folder.mkdir()
     small = {"id": "small", "name": "Small", "file": "small.obj", "species": "apricot", "height_m": 12.0}
@@ -35,6 +43,7 @@ def server(start_server: StartServer, tmp_path: Path) -> Server:
             records=(GOLDEN_FOLDER / "pole-records.safetensors").read_bytes(),
             render_glb=(SHIPPED / "apricot-forest.glb").read_bytes(),
             report={},
+            compliance=compliance,
         ),
         tets=b"tetrahedra",
         tets_name="tets-abc.npz",
@@ -73,6 +82,21 @@ def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(ser
         assert kept.stat().st_mtime_ns == written
         tag = {"if-none-match": answer.headers["etag"]}
         assert api.get(f"{address}/bones", params=SHORT, headers=tag).status_code == 304
+
+
+def test_a_tree_for_mujoco_is_fitted_to_its_compliance(server: Server) -> None:
+    with server.client() as api:
+        answer = api.get("/api/trees/small/exports/mjcf", params={"bones": "12"})
+        assert answer.status_code == 200, answer.text
+        with zipfile.ZipFile(io.BytesIO(answer.content)) as files:
+            assert {"Small.xml", "Small.json"} < set(files.namelist())
+
+
+def test_a_tree_without_compliance_is_refused_for_mujoco(start_server: StartServer, tmp_path: Path) -> None:
+    with with_one_tree(start_server, tmp_path, None).client() as api:
+        answer = api.get("/api/trees/small/exports/mjcf")
+        assert problem(answer) == (409, "no-compliance")
+        assert "computation" in answer.json()["hint"]
 
 
 def problem(answer: httpx.Response) -> tuple[int, str]:
