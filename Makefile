@@ -11,10 +11,11 @@ PORT ?= 8000
 HOST ?= 127.0.0.1
 GALEWOOD_DATA_DIR ?= data
 export PORT HOST GALEWOOD_DATA_DIR
+# Compiled modules are kept too: the tests start hundreds of processes, each of which would compile them again.
+unexport PYTHONDONTWRITEBYTECODE
 # Compiled kernels are kept beside the data, so that a second start does not compile again.
 export NUMBA_CACHE_DIR ?= $(CURDIR)/build/numba
-# modules are compiled when they are first imported, which most of them never are
-PIP_INSTALL := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --require-hashes --no-deps
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps
 PYTEST ?= $(BIN)/python -m pytest
 QUIETLY := --reporter=dot --silent=passed-only
 # in the order of tests/conftest.py, not by the number of tests in a file, so that none of the longest starts last

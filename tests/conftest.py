@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from galewood.threads import SINGLE_THREADED
@@ -39,6 +40,12 @@ def one_worker() -> Iterator[None]:
         patch.setattr(worker_pool, "usable_cores", lambda: 1)
         patch.setattr("galewood.pipeline.stages.build.WARM_MODULES", ())
         yield
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Where no long tests are wanted, their files are not even imported, which every process would do."""
+    unwanted = "not long" in str(config.getoption("markexpr")) and collection_path.stem in LONG_FILES
+    return True if unwanted else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
