@@ -120,7 +120,7 @@ test("an upload leads its owner to it, and only its owner", { tag: "@long" }, as
     await page.setViewportSize({ width: 640, height: 480 });
     await page.getByRole("button", { name: "Settings" }).click();
     await page.locator("#panel").getByRole("button", { name: "Uploaded trees" }).click();
-    const choice = page.locator("#panel").getByRole("combobox", { name: /garden/i });
+    const choice = page.locator("#panel").getByRole("combobox", { name: "Garden-tree", exact: true });
     await choice.selectOption("Among the others");
     await expect.poll(() => planted(page, id)).toBeGreaterThan(1);
     await choice.selectOption("Only this");
