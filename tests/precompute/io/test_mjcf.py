@@ -155,6 +155,29 @@ def test_a_table_without_leaves_has_their_mass_removed(tmp_path: Path) -> None:
     assert not any("leaves" in path.name for path in tmp_path.iterdir())
 
 
+def test_a_ball_that_hits_the_stem_is_stopped_and_moves_the_tree(tree: Tree) -> None:
+    spec = mujoco.MjSpec.from_file(str(tree.folder / "tree.xml"))
+    ball = spec.worldbody.add_body(name="ball", pos=[-2.0, 0.0, 4.0], gravcomp=1.0)
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.3, 0.0, 0.0], mass=20.0)
+    for axis in np.eye(3):
+        ball.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis.tolist())
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    first = int(model.body("ball").jntadr[0])
+    moves = slice(int(model.jnt_dofadr[first]), int(model.jnt_dofadr[first]) + 3)
+    data.qvel[moves] = [2.0, 0.0, 0.0]
+    mujoco.mj_forward(model, data)
+    rest_m, farthest_m = data.body("tree").subtree_com.copy(), 0.0
+    while data.time < 3.0:
+        mujoco.mj_step(model, data)
+        away_m = float(np.linalg.norm(data.body("tree").subtree_com - rest_m))
+        farthest_m = max(farthest_m, away_m)
+    assert float(np.linalg.norm(data.qvel[moves])) < 1.0
+    assert float(data.body("ball").xpos[0]) < 0.5
+    assert 1e-3 < farthest_m < 0.5
+    assert not any(warning.number for warning in data.warning)
+
+
 def test_the_code_of_the_page_runs(
     tree: Tree, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -64,8 +64,8 @@ def export(
         folder = _folder(out or table.with_name(f"{table.stem}-{to}"))
         compliance = read_compliance(table) if to == "mjcf" else None
         _write(decoded, glb, to, folder, options, json_out, compliance)
-    except (ExportError, TableError, WindError, KeyError, OSError, ValueError) as error:
-        print_error(str(error.args[0] if isinstance(error, KeyError) else error))
+    except (ExportError, TableError, WindError, OSError, ValueError) as error:
+        print_error(str(error))
         raise typer.Exit(1) from None
 
 
