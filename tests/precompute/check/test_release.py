@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from galewood.check.field import fitted_decay, pull_and_release
 from galewood.check.field.decay import envelope
-from galewood.check.field.sway_mode import main_sway_mode
+from galewood.check.sway import main_sway_mode
 from galewood.check.verify.bars import polygon_bar
 from galewood.solid.fem import FemModel, FemSettings
 from galewood.solid.model import build_model

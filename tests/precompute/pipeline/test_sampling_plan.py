@@ -79,6 +79,14 @@ def test_the_default_method_has_no_recorded_states_and_some_gusts(samples: Sampl
     assert [len(each) for each in runs] == [WIND_COUNT + GUST_WIND_COUNT, 43]
 
 
+def test_gusts_of_a_storm_may_bend_a_slender_tree_farther() -> None:
+    shapes = gust_shapes(1 / 30, 1.3)
+    assert max(shape.most_sway_share(25.0) for shape in shapes) == 0.45
+    assert max(shape.most_sway_share(35.0) for shape in shapes) == 0.3
+    uniform = training_shapes(0.6, 1 / 30, 1.3)
+    assert all(shape.most_sway_share(speed) == shape.sway_share for shape in uniform for speed in (9.0, 50.0))
+
+
 def test_the_runs_of_both_methods_are_planned_once(tmp_path: Path) -> None:
     model, points = loaded_pole(), np.arange(4)
     for all_winds, cosines in ((False, 18), (True, 36)):

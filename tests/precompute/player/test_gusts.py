@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from galewood.motion.wind import PRESETS, Wind, WindField, crown_carried, crown_field, write_gusts
 from galewood.motion.wind.pressure import compress_pressure, compressed
-from galewood.pipeline.reduction.places import PLACE_COUNT, places_of
+from galewood.pipeline.reduction.places import PLACE_COUNT, most_telling, places_of
 from galewood.pipeline.sampling import CrownGusts
 from galewood.player import ModalForest, WindDrivenTrees, grid_placements
 from galewood.solid.fem import Drag
@@ -137,6 +137,40 @@ def test_the_places_estimate_the_gusts_at_the_nodes() -> None:
     alone = places_of(np.ones(4), 5.0 * node_m[:4], shapes[:, :12], omega)
     order = np.argmin(np.square(alone.place_m[:, None] - 5.0 * node_m[None, :4]).sum(axis=2), axis=1)
     assert np.allclose(alone.weight[order], np.eye(4), atol=0.1)
+
+
+def test_no_exchange_of_one_place_tells_more_of_the_forces() -> None:
+    """Against least squares with every exchange, on gusts of which the greedy choice is not the best one."""
+    seed = 31
+    rng = np.random.default_rng(seed)
+    print("seed", seed)
+    gusts = rng.normal(size=(80, 6)) @ rng.normal(size=(6, 14)) + 0.2 * rng.normal(size=(80, 14))
+    forces = gusts @ rng.normal(size=(14, 5))
+
+    def unexplained(chosen: list[int]) -> float:
+        of = gusts[:, chosen]
+        return float(np.square(forces - of @ np.linalg.lstsq(of, forces, rcond=None)[0]).sum())
+
+    chosen = most_telling(gusts.astype(np.float32), forces.astype(np.float32), 4)
+    assert len(set(chosen)) == 4
+    others = sorted(set(range(14)) - set(chosen))
+    exchanges = [[*chosen[:k], other, *chosen[k + 1 :]] for k in range(4) for other in others]
+    assert unexplained(chosen) < 1.0001 * min(map(unexplained, exchanges))
+    greedy: list[int] = []
+    for _ in range(4):
+        greedy.append(min(set(range(14)) - set(greedy), key=lambda one: unexplained([*greedy, one])))
+    assert unexplained(chosen) < 0.95 * unexplained(greedy)
+
+
+def test_a_narrow_crown_has_few_places_and_none_twice() -> None:
+    """Once two or three know all the others, exchanges must not fill up with copies."""
+    rng = np.random.default_rng(12)
+    for width_m in (0.01, 0.5, 1.0, 2.0, 3.0):
+        node_m = rng.uniform((-width_m, 5, -width_m), (width_m, 5 + width_m, width_m), (200, 3))
+        shapes, omega = rng.normal(size=(30, 600)), np.linspace(2.0, 9.0, 30)
+        places = places_of(np.ones(200), node_m, shapes, omega)
+        assert 1 <= places.count == len(np.unique(places.place_m, axis=0)) <= PLACE_COUNT
+        assert np.isfinite(places.weight).all()
 
 
 def test_a_run_has_the_gusts_of_a_tree_in_a_forest() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from galewood.check.field.decay import Decay, fitted_decay
-from galewood.check.field.sway_mode import SwayMode, main_sway_mode
+from galewood.check.sway import SwayMode, main_sway_mode
 from galewood.solid.fem import FemModel, Simulator, solve_static
 from galewood.util import Floats
 

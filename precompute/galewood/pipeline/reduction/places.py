@@ -5,8 +5,9 @@ mean square error, for the crown field of `motion.wind.crown` in any wind direct
 between the places is weaker than the gust there, as it should be: what the places do not know averages out.
 
 The places are chosen one after the other, each where it adds most to the estimate of the forces on the first
-natural modes (orthogonal matching pursuit). Clusters of the crown's area leave nearly twice the error
-(docs/design/0020-gusts.md).
+natural modes (orthogonal least squares: Chen, Cowan and Grant, IEEE Transactions on Neural Networks 2, 1991,
+302–309). Then each in turn moves to where it adds most beside the others, until none moves. Clusters of the
+crown's area leave nearly twice the error (docs/design/0020-gusts.md).
 """
 
 from __future__ import annotations
@@ -20,13 +21,17 @@ from galewood.pipeline.sampling import CROWN_FIELD_M
 from galewood.util import Array, Floats, Singles
 from galewood.wood import BARE_EXPONENT
 
-PLACE_COUNT = 24
+PLACE_COUNT = 32
 MODE_COUNT = 30
 """Natural modes whose forces the places shall give."""
 CANDIDATE_COUNT = 500
 """Nodes that the places are chosen from: every k-th one, at least so many and fewer than twice as many."""
 LEAST_NEWS = 0.05
 """A place must add at least this share of its variance to what the other places know."""
+EXCHANGE_ROUNDS = 20
+"""Most rounds in which each place moves once; 3 to 8 are needed."""
+LEAST_GAIN = 1e-6
+"""Relative gain for which a place moves, above rounding, so that two equal ones do not take turns."""
 FIELD_COUNT, FIELD_SAMPLES, FIELD_SEED = 8, 150, 4
 """Crown fields, and their positions and headings, over which the covariance of the gusts is averaged."""
 NUGGET_SHARE = 1e-2
@@ -68,29 +73,49 @@ def places_of(area_m2: Floats, place_m: Floats, shapes: Floats, omega: Floats) -
     loads = area_m2[nodes][:, None, None] * sideways.transpose(1, 0, 2) * reach[:, None]
     forces = gusts @ loads.reshape(len(nodes), -1).astype(np.float32)
     candidates = np.arange(0, len(nodes), max(1, len(nodes) // CANDIDATE_COUNT))
-    chosen = candidates[_most_telling(gusts[:, candidates], forces, min(PLACE_COUNT, len(candidates)))]
+    chosen = candidates[most_telling(gusts[:, candidates], forces, min(PLACE_COUNT, len(candidates)))]
     weight = np.zeros((len(area_m2), len(chosen)))
     weight[nodes] = _kriging(gusts, chosen)
     return Places(np.asarray(place_m[nodes[chosen]].astype(np.float32), np.float64), weight)
 
 
-def _most_telling(gusts: Singles, forces: Singles, count: int) -> Array:
+def most_telling(gusts: Singles, forces: Singles, count: int) -> list[int]:
     """The gusts (samples, n) from which the forces (samples, m) are estimated best, at most ``count``."""
-    left, unknown = forces.copy(), gusts.copy()
-    least = LEAST_NEWS * np.square(gusts).sum(axis=0)
+    single = gusts.astype(np.float64)
+    among, with_forces = single.T @ single, single.T @ forces
     chosen: list[int] = []
-    for _ in range(count):
-        news = np.square(unknown).sum(axis=0)
-        gain = np.square(unknown.T @ left).sum(axis=1) / np.maximum(news, 1e-30)
-        gain[news <= least] = -1.0
+    while len(chosen) < count:
+        gain = _gains(among, with_forces, chosen)
         best = int(np.argmax(gain))
         if gain[best] < 0:
             break
         chosen.append(best)
-        way = unknown[:, best] / np.sqrt(news[best])
-        left -= np.outer(way, way @ left)
-        unknown -= np.outer(way, way @ unknown)
-    return np.array(chosen)
+    for _ in range(EXCHANGE_ROUNDS):
+        before = list(chosen)
+        for k, present in enumerate(before):
+            gain = _gains(among, with_forces, chosen[:k] + chosen[k + 1 :])
+            best = int(np.argmax(gain))
+            if gain[best] > max(0.0, (1.0 + LEAST_GAIN) * gain[present]):
+                chosen[k] = best
+        if chosen == before:
+            break
+    return chosen
+
+
+def _gains(among: Floats, with_forces: Floats, chosen: list[int]) -> Floats:
+    """(n,) how much more of the forces (squared) each gust explains beside the chosen ones.
+
+    ``among`` (n, n) and ``with_forces`` (n, m) are the products of the gusts with each other and with the
+    forces. −1 where a gust adds too little to what the chosen ones know of it.
+    """
+    own = np.diagonal(among)
+    news, left = own, with_forces
+    if chosen:
+        weight = np.linalg.solve(among[np.ix_(chosen, chosen)], among[chosen])
+        news = own - np.einsum("kn,kn->n", weight, among[chosen])
+        left = with_forces - weight.T @ with_forces[chosen]
+    known = news <= LEAST_NEWS * own
+    return np.where(known, -1.0, np.square(left).sum(axis=1) / np.where(known, 1.0, news))
 
 
 def _kriging(gusts: Singles, chosen: Array) -> Floats:

@@ -50,14 +50,14 @@ def speeds_for(
     """(k,) peak speed, m/s, at which each wind causes its sway; rounded, so that runs can be found again."""
     motion = linear_motion(body, mass_kg, [shape.at(STRONGEST_M_S / 4) for shape in shapes], settings)
     basis = _farthest(motion.subspace.basis.reshape(-1, 3, motion.subspace.modes))
-    wanted_m = np.array([shape.sway_share * height_m for shape in shapes])
     low, high = np.full(len(shapes), WEAKEST_M_S), np.full(len(shapes), STRONGEST_M_S)
     for _ in range(HALVING_COUNT):
         middle = np.sqrt(low * high)
-        speeds = zip(shapes, middle.tolist(), strict=True)
-        winds = [(shape.pressure_pa(speed), shape.gusts) for shape, speed in speeds]
+        tried = list(zip(shapes, middle.tolist(), strict=True))
+        most_m = np.array([shape.most_sway_share(speed) * height_m for shape, speed in tried])
+        winds = [(shape.pressure_pa(speed), shape.gusts) for shape, speed in tried]
         sways = np.array([_sway_m(basis, q) for q in simulated_q(motion.modal, winds, settings.dt_s)])
-        low, high = np.where(sways <= wanted_m, middle, low), np.where(sways > wanted_m, middle, high)
+        low, high = np.where(sways <= most_m, middle, low), np.where(sways > most_m, middle, high)
     return np.asarray(np.round(np.sqrt(low * high), 2), np.float64)
 
 

@@ -23,8 +23,12 @@ GUST_WIND_COUNT, FRAMES_PER_GUST_WIND = 24, 300
 """Winds with gusts within the crown."""
 SWAY_SHARES = (0.2, 0.05, 0.2, 0.1, 0.2, 0.03, 0.15)
 """Largest sway of the winds, in turn, over the height. Seven, as the kinds of wind repeat after five."""
-GUST_SWAY_SHARES = (0.3, 0.1, 0.2, 0.05, 0.26, 0.15, 0.22)
-"""The same of the winds with gusts within the crown."""
+GUST_SWAY_SHARES = (
+    (0.3, 0.45), (0.1, 0.1), (0.2, 0.2), (0.05, 0.05), (0.26, 0.38), (0.15, 0.15), (0.22, 0.3),
+)  # fmt: skip
+"""The same of the winds with gusts within the crown, and what a wind with the gusts of a storm may cause."""
+STORM_GUST_M_S = 30.0
+"""Speed of the strongest gusts of a storm with a mean of 18 m/s."""
 STRONGEST_M_S = 60.0
 """Limit of the speed, for trees too stiff to sway so far in any wind."""
 TRAINING_GUSTINESS, WHITE_GUSTINESS = 0.45, 0.6
@@ -54,8 +58,14 @@ class WindShape:
     name: str
     velocity: Floats
     sway_share: float
+    storm_sway_share: float
+    """At least ``sway_share``."""
     exponent: float
     gusts: CrownGusts = NO_GUSTS
+
+    def most_sway_share(self, peak_m_s: float) -> float:
+        """The sway that it may cause at a peak speed: slender trees also learn what storms do to them."""
+        return self.storm_sway_share if peak_m_s <= STORM_GUST_M_S else self.sway_share
 
     def pressure_pa(self, peak_m_s: float) -> Floats:
         """Pressure vectors (T, 2), Pa, at a peak speed."""
@@ -109,7 +119,8 @@ def training_shapes(
         if k % 10 in (1, 4, 6):
             velocity[-CALM_FRAMES:] = 0.0
         velocity /= np.linalg.norm(velocity, axis=1).max()
-        shapes.append(WindShape(f"training-{k:02d}", velocity, SWAY_SHARES[k % len(SWAY_SHARES)], exponent))
+        share = SWAY_SHARES[k % len(SWAY_SHARES)]
+        shapes.append(WindShape(f"training-{k:02d}", velocity, share, share, exponent))
     return shapes
 
 
@@ -129,8 +140,8 @@ def gust_shapes(
         x_m, z_m = rng.uniform(0, CROWN_FIELD_M, 2).tolist()
         speed_m_s, intensity = rng.uniform(*CROWN_SPEEDS_M_S), rng.uniform(*CROWN_INTENSITIES)
         gusts = CrownGusts(int(rng.integers(2**31)), x_m, z_m, heading_rad, speed_m_s, intensity, exponent)
-        share = GUST_SWAY_SHARES[k % len(GUST_SWAY_SHARES)]
-        shapes.append(WindShape(f"training-gusts-{k:02d}", velocity, share, exponent, gusts))
+        shares = GUST_SWAY_SHARES[k % len(GUST_SWAY_SHARES)]
+        shapes.append(WindShape(f"training-gusts-{k:02d}", velocity, *shares, exponent, gusts))
     return shapes
 
 

@@ -1,6 +1,7 @@
 from .damping import damping_report as damping_report
 from .damping import effective_damping_ratio as effective_damping_ratio
 from .damping import rayleigh as rayleigh
+from .damping import rayleigh_ratio as rayleigh_ratio
 from .drag import LEAST_PROFILE as LEAST_PROFILE
 from .drag import Drag as Drag
 from .dynamics import Simulator as Simulator
@@ -34,9 +35,11 @@ from .settings import Scheme as Scheme
 from .solver import NotPositiveDefinite as NotPositiveDefinite
 from .statics import loaded_pose as loaded_pose
 from .statics import solve_static as solve_static
+from .support import LARGEST_LOSS as LARGEST_LOSS
 from .support import TRUNK_LIMB as TRUNK_LIMB
 from .support import Support as Support
 from .support import Weight as Weight
 from .support import borne_load_factor as borne_load_factor
+from .support import holding_limbs as holding_limbs
 from .support import remaining_share as remaining_share
 from .support import supported as supported

@@ -19,7 +19,7 @@ from scipy.sparse import csc_matrix
 
 from galewood.solid.fem.buckling import Buckling, buckling, element_energies, geometric_stiffness
 from galewood.solid.fem.elements.assembly import ElementSystem
-from galewood.util import Floats, Int32s
+from galewood.util import Array, Floats, Int32s, Ints
 
 SAFE_LOAD_FACTOR = 1 / 3
 """Up to this load factor nothing is changed."""
@@ -77,6 +77,14 @@ def borne_load_factor(load_factor: float) -> float:
     With s times the stiffness K, s K + K_σ leaves (s − ν) K: s = ν + share, and the load factor is ν / s.
     """
     return load_factor / max(load_factor + remaining_share(load_factor), 1e-300)
+
+
+def holding_limbs(energy_j: Floats, limb: Array) -> Ints:
+    """The fewest limbs that hold most of a shape's energy_j (m,); ``limb`` (m,) is the limb of each part."""
+    of_limb: Floats = np.bincount(limb, energy_j).astype(np.float64)
+    most = np.argsort(-of_limb)
+    before = np.concatenate([[0.0], np.cumsum(of_limb[most])[:-1]]) / max(float(of_limb.sum()), 1e-300)
+    return most[before < LIMB_ENERGY_SHARE]
 
 
 def supported(system: ElementSystem, weight: Weight, limb: Int32s) -> Support:
@@ -168,12 +176,9 @@ class _Bearing:
             )
         return low
 
-    def _holding(self, shape: Floats) -> Int32s:
-        """The fewest limbs that hold most of the energy of a shape (N,3)."""
-        energy: Floats = np.bincount(self.limb, element_energies(self.system, shape)).astype(np.float64)
-        most = np.argsort(-energy)
-        before = np.concatenate([[0.0], np.cumsum(energy[most])[:-1]]) / max(float(energy.sum()), 1e-300)
-        return most[before < LIMB_ENERGY_SHARE].astype(np.int32)
+    def _holding(self, shape: Floats) -> Ints:
+        """The limbs that hold a shape (N,3)."""
+        return holding_limbs(element_energies(self.system, shape), self.limb)
 
     def _modes(self, thin_mass: float) -> Buckling:
         self.system.set_blocks(self.blocks * self.factor[:, None, None, None])

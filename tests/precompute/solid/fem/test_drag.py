@@ -8,7 +8,8 @@ from galewood.check.verify.motion_checks import energy_rise, loaded_pole, plate_
 from galewood.motion.wind import dynamic_pressure
 from galewood.pipeline.reduction.oscillators import oscillators_of, propagators
 from galewood.pipeline.reduction.wind_scale import speeds_for
-from galewood.pipeline.sampling import training_shapes
+from galewood.pipeline.sampling import gust_shapes, training_shapes
+from galewood.pipeline.sampling.training_winds import STORM_GUST_M_S
 from galewood.solid.fem import Drag, Simulator
 from galewood.wood import BARE_EXPONENT
 
@@ -110,3 +111,24 @@ def test_training_winds_cause_the_required_sway() -> None:
             simulator.step(pressure)
             farthest_m = max(farthest_m, float(np.linalg.norm(simulator.u, axis=1).max()))
         assert farthest_m == pytest.approx(shape.sway_share * height_m, rel=0.15)
+
+
+def test_training_winds_are_as_strong_as_a_storm_where_that_sways_farther() -> None:
+    """A slender body reaches the sway of storms, a stiff one the usual sway in any wind."""
+    pole = loaded_pole()
+    height_m = float(np.ptp(pole.nodes_m[:, 1]))
+    mass_kg = pole.mass_kg[: pole.vertex_count]
+    shapes = gust_shapes(pole.settings.dt_s, pole.streamlined_exponent, count=1)
+    storm = [replace(shape, sway_share=shape.storm_sway_share) for shape in shapes]
+    usual = [replace(shape, storm_sway_share=shape.sway_share) for shape in shapes]
+    between = 0
+    for area_m2 in np.geomspace(0.5, 60.0, 12):
+        area = np.where(pole.nodes_m[:, 1] > 4.0, area_m2, 0.0) / len(pole.nodes_m)
+        body = oscillators_of(replace(pole, drag_area_m2=area, exposed_area_m2=area), 40)
+        speed, least, most = (
+            float(speeds_for(some, body, mass_kg, height_m, pole.settings)[0])
+            for some in (shapes, usual, storm)
+        )
+        assert speed == pytest.approx(max(least, min(most, STORM_GUST_M_S)), rel=0.01)
+        between += least < STORM_GUST_M_S < most
+    assert between

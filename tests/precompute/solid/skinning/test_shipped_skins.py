@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from galewood.motion.wind import Wind, WindField
 from galewood.player import WindDrivenTrees
-from galewood.solid.skinning import drawn_positions, node_pose
+from galewood.solid.skinning import drawn_positions, is_torn, node_pose
 from galewood.table import Table, decode
 
 SHIPPED = Path(__file__).parents[4] / "assets" / "species" / "shipped"
@@ -91,11 +91,13 @@ def test_wood_is_not_stretched_and_pieces_keep_their_shape(tree: str, kind: str)
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("tree", TREES)
-def test_the_build_reports_these_figures(tree: str, kind: str) -> None:
+def test_the_build_reports_figures_of_harder_poses(tree: str, kind: str) -> None:
+    """Of storms, and of limbs pulled until their tips have moved by two thirds of the height."""
     drawn = table_of(tree, kind).metadata["drawn"]
     assert drawn["sway"] == SWAY
-    assert drawn["wood_stretch"] < 1.1 and drawn["wood_stretch_worst"] < 1.3
-    assert max(drawn["twigs_gap"], drawn["leaves_gap"]) < 0.002
+    assert "wood_stretch_worst" in drawn and not is_torn(drawn)
+    assert drawn["wood_stretch"] < 1.25
+    assert max(drawn["twigs_gap"], drawn["leaves_gap"]) < 0.003
     report = json.loads((SHIPPED / f"{tree}.json").read_text())["report"]
     assert (report if kind == "table" else report["bare_table"])["drawn"] == drawn
 
