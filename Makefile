@@ -19,7 +19,8 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check 
 PYTEST ?= $(BIN)/python -m pytest
 QUIETLY := --reporter=dot --silent=passed-only
 # in the order of tests/conftest.py, not by the number of tests in a file, so that none of the longest starts last
-IN_PARALLEL := --quiet -n 3 --dist loadfile --no-loadscope-reorder
+# the log ends with the longest tests
+IN_PARALLEL := --quiet -n 3 --dist loadfile --no-loadscope-reorder --durations=60 --durations-min=4
 # What a step prints goes to build/log, and is shown if it fails.
 STEP := @$(PYTHON) scripts/step.py
 # All that a wheel is made of, beside the page.

@@ -66,7 +66,7 @@ class Soak:
         file = {"file": ("pole.obj", sample_meshes.pole_obj(2.0))}
         tree = self.ask("POST", "/api/trees", files=file).json()
         self.kept = str(tree["id"])
-        self.ask("POST", f"/api/trees/{self.kept}/precompute", json={"settings": SMALL})
+        self.ask("POST", "/api/jobs", json={"tree_id": self.kept, "settings": SMALL})
         wait_until(lambda: self.ask("GET", f"/api/trees/{self.kept}").json()["state"] == "ready", 1200, 0.5)
         while not self.stream():
             self.wrong.clear()
@@ -115,7 +115,7 @@ class Soak:
         if not trees:
             return 0
         tree = self.dice.choice(trees)
-        return self.ask("POST", f"/api/trees/{tree['id']}/precompute", json={"settings": SMALL}).status_code
+        return self.ask("POST", "/api/jobs", json={"tree_id": tree["id"], "settings": SMALL}).status_code
 
     def cancel(self) -> int:
         jobs = [tree["job_id"] for tree in self.trees() if tree["job_id"]]

@@ -6,7 +6,8 @@ from galewood_server.access.middleware import AccessControl
 from galewood_server.access.open_connections import OpenConnections, count_open, limited_by_descriptors
 from galewood_server.access.origins import is_loopback
 from galewood_server.access.quota import check_quota, count_stored, stored_bytes
-from galewood_server.access.rates import rate_limit_key
+from galewood_server.access.rates import client_key
+from galewood_server.access.request_turns import RequestTurns
 from galewood_server.access.turns import FilesOnDemand, Turns
 
 __all__ = [
@@ -17,13 +18,14 @@ __all__ = [
     "LimitedImporter",
     "MeshImporter",
     "OpenConnections",
+    "RequestTurns",
     "Turns",
     "check_quota",
+    "client_key",
     "count_open",
     "count_stored",
     "is_loopback",
     "limited_by_descriptors",
     "new_key",
-    "rate_limit_key",
     "stored_bytes",
 ]

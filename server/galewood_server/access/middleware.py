@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from galewood_server.access.keys import check_writer, is_write
 from galewood_server.access.open_connections import ADDRESS_SHARE, count_open, limited_by_descriptors
 from galewood_server.access.origins import check_host, check_origin
-from galewood_server.access.rates import RateLimits, rate_limit_key
+from galewood_server.access.rates import RateLimits, client_address, client_key
 from galewood_server.http import Problem, ProblemError, problem_from
 from galewood_server.ops import Metrics
 from galewood_server.settings import Settings
@@ -87,7 +87,7 @@ class AccessControl:
         """Count a request of an address while it is in progress. ProblemError 429 if it has too many."""
         if scope["path"] in HEALTH_CHECKS:
             return nullcontext()
-        address = rate_limit_key(_client(scope))
+        address = client_key(scope)
         most = limited_by_descriptors(self._settings.requests_per_address, ADDRESS_SHARE)
         if self._in_progress.get(address, 0) >= most:
             self._metrics.refused.labels("too-many-open-requests").inc()
@@ -103,7 +103,7 @@ class AccessControl:
 
     async def _check_access(self, scope: Scope) -> None:
         try:
-            await self._check(scope, _client(scope))
+            await self._check(scope, client_address(scope))
         except ProblemError as error:
             self._metrics.refused.labels(error.problem.code).inc()
             raise
@@ -131,11 +131,6 @@ def log_failure(scope: Scope, problem: Problem, error: Exception) -> None:
         log.error("%s %s failed", scope["method"], scope["path"], exc_info=error)
     else:
         log.warning("%s %s failed: %s (%s)", scope["method"], scope["path"], problem.title, error)
-
-
-def _client(scope: Scope) -> str:
-    """The client's address; empty if it is unknown."""
-    return str((scope.get("client") or ("",))[0])
 
 
 def is_plain_413(message: Message) -> bool:

@@ -10,6 +10,7 @@ import time
 from limits import RateLimitItemPerMinute
 from limits.aio.storage import MemoryStorage
 from limits.aio.strategies import SlidingWindowCounterRateLimiter
+from starlette.types import Scope
 
 from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
@@ -52,6 +53,16 @@ class RateLimits:
             hint=f"Try again in {wait_s} s.",
             headers={"Retry-After": str(wait_s)},
         )
+
+
+def client_address(scope: Scope) -> str:
+    """The client's address; empty if it is unknown."""
+    return str((scope.get("client") or ("",))[0])
+
+
+def client_key(scope: Scope) -> str:
+    """The `rate_limit_key` of the client of a request or WebSocket."""
+    return rate_limit_key(client_address(scope))
 
 
 def rate_limit_key(address: str) -> str:

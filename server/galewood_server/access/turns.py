@@ -12,7 +12,7 @@ from galewood.util import MeshError
 from starlette.requests import HTTPConnection
 
 from galewood_server.access.open_connections import count_open
-from galewood_server.access.rates import rate_limit_key
+from galewood_server.access.rates import client_key
 from galewood_server.http import ProblemError
 
 REMEMBERED_S = 600.0
@@ -47,7 +47,7 @@ class Turns:
 
         ProblemError 503 if there are too many, in total or of its address.
         """
-        key = "" if request is None else _address(request)
+        key = "" if request is None else client_key(request.scope)
         mine, all_inside = self._inside.get(key, 0), sum(self._inside.values())
         if all_inside >= self._room or mine >= self._most_of_address:
             raise _busy(self._what)
@@ -82,7 +82,7 @@ class FilesOnDemand:
         if target.is_file():
             return
         self._raise_failed(target)
-        key = _address(request)
+        key = client_key(request.scope)
         mine, all_waiting = self._waiting.get(key, 0), sum(self._waiting.values())
         if all_waiting >= self._most_waiting or mine >= self._most_of_address:
             raise _busy(self._what)
@@ -117,10 +117,6 @@ class FilesOnDemand:
             del self._failed[target]
             return
         raise error.with_traceback(None)
-
-
-def _address(request: HTTPConnection) -> str:
-    return rate_limit_key(request.client.host if request.client else "")
 
 
 def _keep_newest(folder: Path, count: int) -> None:

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 
 from fastapi import WebSocket
 
-from galewood_server.access import count_open, limited_by_descriptors, rate_limit_key
+from galewood_server.access import client_key, count_open, limited_by_descriptors
 from galewood_server.context import Service
 from galewood_server.http import Problem
 
@@ -18,7 +18,7 @@ SOCKET_SHARE, EVENT_SHARE = 0.5, 0.25
 @asynccontextmanager
 async def limited_connection(websocket: WebSocket, service: Service) -> AsyncGenerator[bool]:
     """Count an open socket while the block runs. Yields False if it was rejected with an HTTP problem."""
-    address = rate_limit_key(websocket.client.host if websocket.client else "")
+    address = client_key(websocket.scope)
     problem = _limit_exceeded(websocket, service, address)
     if problem:
         await websocket.send_denial_response(problem.response())

@@ -64,9 +64,9 @@ async def convert(
     title = f"The file is larger than {limit_bytes // 1024**2} MB"
     too_large = ProblemError(413, "file-too-large", title, hint="Split the file.")
     async with service.conversions.admitted(request) as turns:
-        data = await read_body(request, limit_bytes, too_large)
+        body = await read_body(request, limit_bytes, too_large)
         async with turns:
-            document = await asyncio.to_thread(convert_limited, data, start_s)
+            document = await asyncio.to_thread(lambda: convert_limited(body.take(), start_s))
     return Response(document, media_type="application/json")
 
 

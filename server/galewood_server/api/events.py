@@ -17,7 +17,7 @@ from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.requests import HTTPConnection
 from starlette.types import Receive, Scope, Send
 
-from galewood_server.access import count_open, rate_limit_key
+from galewood_server.access import client_key, count_open
 from galewood_server.api.connections import streams_exceeded
 from galewood_server.api.jobs import job_json
 from galewood_server.api.trees import tree_json
@@ -250,7 +250,7 @@ class LimitedEvents(EventSourceResponse):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Count the stream while it is open."""
-        address = rate_limit_key((scope.get("client") or ("",))[0])
+        address = client_key(scope)
         problem = streams_exceeded(self._service, address)
         if problem:
             await problem.response({"Retry-After": "30"})(scope, receive, send)

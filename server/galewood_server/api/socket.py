@@ -12,7 +12,7 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from galewood.constants import TICK_HZ, WIRE_VERSION
 from galewood.motion.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
 
-from galewood_server.access import rate_limit_key
+from galewood_server.access import client_key
 from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
 from galewood_server.peers import RELAYED_HEADER, SERVICE_RESTART, PeerLostError, peer_of, relay
@@ -90,7 +90,7 @@ class Session:
         self._websocket = websocket
         self._service = service
         self._protocol = protocol_of(websocket.scope)
-        self.address = rate_limit_key(websocket.client.host if websocket.client else "")
+        self.address = client_key(websocket.scope)
         self._subscription: Subscription | None = None
         self._asked = False  # for a forest; in mode "table" there may be none on the server
         self._sending: asyncio.Task[None] | None = None

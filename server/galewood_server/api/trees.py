@@ -1,4 +1,4 @@
-"""Trees: list, compute and delete. uploads/upload.py adds them."""
+"""Trees: list and delete. uploads/upload.py adds them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from galewood_server.http import (
     NOT_MODIFIED,
     JobOut,
     PageParams,
-    PrecomputeRequest,
     ProblemError,
     TreeList,
     TreeOut,
@@ -35,7 +34,6 @@ from galewood_server.http import (
     rows_after,
     serialisable,
 )
-from galewood_server.jobs import queue_job
 from galewood_server.storage import (
     ACTIVE_STATES,
     TREE_FIELDS,
@@ -124,21 +122,6 @@ def get_tree(tree_id: str, request: Request, service: ServiceDep) -> Response:
     if body is None:
         raise damaged("tree", tree_id, DELETE_IT)
     return body_with_etag(request, body)
-
-
-@router.post(
-    "/{tree_id}/precompute", status_code=202, max_body_size=64 * 1024, responses=problems(404, 409, 413)
-)
-def precompute_tree(
-    tree_id: str, service: ServiceDep, response: Response, body: PrecomputeRequest | None = None
-) -> JobOut:
-    """Queue the computation of a tree's table."""
-    settings = (body or PrecomputeRequest()).settings.given()
-    with service.sessions.begin() as session:
-        out = job_out(queue_job(session, find_tree(session, tree_id), settings))
-    response.headers["Location"] = f"/api/jobs/{out.id}"
-    service.wake_supervisor()
-    return out
 
 
 @router.delete("/{tree_id}", status_code=204, responses=problems(404, 409))

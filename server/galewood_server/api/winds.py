@@ -36,10 +36,10 @@ async def validate(request: Request) -> WindOut:
     title, hint = "The wind document is too large", f"At most {LARGEST_BYTES} bytes."
     too_large = ProblemError(413, "wind-too-large", title, hint=hint)
     body = await read_body(request, LARGEST_BYTES, too_large)
-    return await asyncio.to_thread(lambda: WindOut(wind=parse_wind(_json(body)).document()))
+    return await asyncio.to_thread(lambda: WindOut(wind=parse_wind(_json(body.take().tobytes())).document()))
 
 
-def _json(body: bytearray) -> object:
+def _json(body: bytes) -> object:
     try:
         return json.loads(body)
     except (ValueError, RecursionError):

@@ -18,7 +18,14 @@ import uvicorn
 from fastapi import FastAPI
 from galewood.util import GuardedProcess
 
-from galewood_server.access import AccessControl, LimitedImporter, MeshImporter, OpenConnections, Turns
+from galewood_server.access import (
+    AccessControl,
+    LimitedImporter,
+    MeshImporter,
+    OpenConnections,
+    RequestTurns,
+    Turns,
+)
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
 from galewood_server.app import builtin_trees, docs_page, startup_warnings
 from galewood_server.app.compression import CompressedJson
@@ -117,8 +124,15 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         varies_by_origin=bool(settings.allowed_origins),
     )
     allow_cross_origin(app, settings.allowed_origins)
+    app.add_middleware(RequestTurns, frames_in_work=lambda: _frames_in_work(app))
     app.add_middleware(Tracing, metrics=metrics)
     return app
+
+
+def _frames_in_work(app: FastAPI) -> bool:
+    """Whether frames of any forest are due and not sent yet; an application that is not started has none."""
+    service: Service | None = getattr(app.state, "service", None)
+    return service is not None and service.forests.frames_in_work
 
 
 async def _prepare(settings: Settings, importer: LimitedImporter | None) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncGenerator
 
+import numpy as np
 from fastapi import Request
 
 from galewood_server.http.errors import ProblemError
@@ -12,15 +13,27 @@ from galewood_server.http.errors import ProblemError
 DRAIN_S = 2.0
 
 
-async def read_body(request: Request, limit_bytes: int, too_large: ProblemError) -> bytearray:
-    """The whole body, without a copy, which would keep the event loop.
+async def read_body(request: Request, limit_bytes: int, too_large: ProblemError) -> Body:
+    """Receive the whole body. Raises `too_large` if its declared or actual length exceeds the limit."""
+    return Body([chunk async for chunk in body_in_chunks(request, limit_bytes, too_large)])
 
-    Raises `too_large` if its declared or actual length exceeds the limit.
-    """
-    body = bytearray()
-    async for chunk in body_in_chunks(request, limit_bytes, too_large):
-        body += chunk
-    return body
+
+class Body:
+    """A body as it was received: in pieces, because to join or to free many MB would keep the event loop."""
+
+    def __init__(self, chunks: list[bytes]) -> None:
+        self._chunks = chunks
+
+    def take(self) -> memoryview:
+        """The bytes, which this object has no longer. Call it in a thread."""
+        chunks, self._chunks = self._chunks, []
+        # not bytes: NumPy has large arrays in large pages, which are freed at once
+        data = np.empty(sum(map(len, chunks)), np.uint8)
+        start = 0
+        for chunk in chunks:
+            data[start : start + len(chunk)] = np.frombuffer(chunk, np.uint8)
+            start += len(chunk)
+        return data.data
 
 
 async def body_in_chunks(

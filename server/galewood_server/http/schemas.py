@@ -165,18 +165,13 @@ class BuildSettings(BuildRequest):
         return self.model_dump(exclude_unset=True, exclude_none=True)
 
 
-class PrecomputeRequest(BaseModel):
-    """Body of POST /api/trees/{id}/precompute (optional)."""
+class JobRequest(BaseModel):
+    """Body of POST /api/jobs."""
 
     model_config = ConfigDict(extra="forbid")
 
-    settings: BuildSettings = Field(default_factory=lambda: BuildSettings())
-
-
-class JobRequest(PrecomputeRequest):
-    """Body of POST /api/jobs."""
-
     tree_id: StorableText = Field(min_length=1, max_length=64)
+    settings: BuildSettings = Field(default_factory=lambda: BuildSettings())
 
 
 class Liveness(BaseModel):

@@ -70,6 +70,11 @@ class Forests:
         self._workers = [StepWorker(steppers) for _ in range(threads)]
 
     @property
+    def frames_in_work(self) -> bool:
+        """Whether frames of any forest are due and not sent yet."""
+        return any(worker.in_work for worker in self._workers)
+
+    @property
     def count(self) -> int:
         """Number of running forests."""
         return sum(len(worker.forests) for worker in self._workers)

@@ -18,6 +18,8 @@ class StepWorker:
 
     def __init__(self, threads: ThreadPoolExecutor) -> None:
         self.forests: set[LiveForest] = set()
+        self.in_work = False
+        """Whether frames are due and not sent yet."""
         self._threads = threads
         self._work: asyncio.Task[None] | None = None
 
@@ -39,10 +41,14 @@ class StepWorker:
             due_s = max(due_s + 1 / TICK_HZ, loop.time() - LATE_S)
             await asyncio.sleep(due_s - loop.time())
             forests = tuple(self.forests)
-            await loop.run_in_executor(self._threads, _compute, forests, due_s)
-            now_s = loop.time()
-            for forest in forests:
-                forest.deliver(now_s)
+            self.in_work = True
+            try:
+                await loop.run_in_executor(self._threads, _compute, forests, due_s)
+                now_s = loop.time()
+                for forest in forests:
+                    forest.deliver(now_s)
+            finally:
+                self.in_work = False
 
 
 def _compute(forests: Sequence[LiveForest], made_s: float) -> None:

@@ -92,7 +92,7 @@ test("all trees of a file become uploads, and can be cancelled", { tag: "@long" 
     goOn = resolve;
   });
   let starts = 0;
-  await page.route("**/precompute", async (route) => {
+  await page.route("**/api/jobs", async (route) => {
     if (++starts === 2) await cancelled;
     await route.continue();
   });

@@ -68,7 +68,7 @@ def summary_of(tree: dict[str, Any]) -> dict[str, Any]:
 
 def test_a_computed_table_is_immutable(api: httpx.Client) -> None:
     tree = upload(api, b"a tree to build").json()
-    answer = api.post(f"/api/trees/{tree['id']}/precompute")
+    answer = api.post("/api/jobs", json={"tree_id": tree["id"]})
     assert answer.status_code == 202
     job = answer.json()
     assert job["tree_id"] == tree["id"] and job["state"] == "queued"
@@ -112,7 +112,7 @@ def test_every_change_is_an_event(api: httpx.Client) -> None:
             tree = upload(other, b"told").json()
             first = next(event for event in events if event["tree"]["id"] == tree["id"])
             assert first == {"tree": summary_of(tree), "job": None, "deleted": False}
-            other.post(f"/api/trees/{tree['id']}/precompute")
+            other.post("/api/jobs", json={"tree_id": tree["id"]})
             last = next(event for event in events if event["job"] and event["job"]["state"] == "done")
             assert last["tree"]["id"] == tree["id"] and last["tree"]["state"] == "ready"
             other.delete(f"/api/trees/{tree['id']}")
@@ -121,8 +121,8 @@ def test_every_change_is_an_event(api: httpx.Client) -> None:
 
 def test_concurrent_builds_of_one_tree_are_rejected(api: httpx.Client) -> None:
     tree = upload(api, b"twice", "twice.obj").json()
-    job = api.post(f"/api/trees/{tree['id']}/precompute").json()
-    assert_problem(api.post(f"/api/trees/{tree['id']}/precompute"), 409, "already-building")
+    job = api.post("/api/jobs", json={"tree_id": tree["id"]}).json()
+    assert_problem(api.post("/api/jobs", json={"tree_id": tree["id"]}), 409, "already-building")
     assert_problem(api.delete(f"/api/trees/{tree['id']}"), 409, "still-building")
     api.post(f"/api/jobs/{job['id']}/cancel")
     wait_until(lambda: api.get(f"/api/jobs/{job['id']}").json()["state"] == "cancelled")
@@ -132,7 +132,7 @@ def test_concurrent_builds_of_one_tree_are_rejected(api: httpx.Client) -> None:
 def test_a_failed_build_can_be_retried(api: httpx.Client) -> None:
     tree = upload(api, b"bad", "fail.obj").json()
     for _ in range(2):
-        job = api.post(f"/api/trees/{tree['id']}/precompute").json()
+        job = api.post("/api/jobs", json={"tree_id": tree["id"]}).json()
         last = list(progress(api, job["id"]))[-1]
         assert last["state"] == "failed" and "ValueError" in last["error"]
     assert api.get(f"/api/trees/{tree['id']}").json()["state"] == "failed"
@@ -140,7 +140,7 @@ def test_a_failed_build_can_be_retried(api: httpx.Client) -> None:
 
 def test_a_build_that_always_crashes_fails_eventually(api: httpx.Client) -> None:
     tree = upload(api, b"worse", "crash.obj").json()
-    job = api.post(f"/api/trees/{tree['id']}/precompute").json()
+    job = api.post("/api/jobs", json={"tree_id": tree["id"]}).json()
     last = list(progress(api, job["id"]))[-1]
     assert last["state"] == "failed" and "ended with exit code" in last["error"]
 
@@ -194,7 +194,7 @@ def test_an_upload_without_content_length_is_limited(api: httpx.Client) -> None:
 )
 def test_invalid_build_settings_are_rejected(api: httpx.Client, settings: dict[str, Any]) -> None:
     tree = upload(api, b"settings").json()
-    answer = api.post(f"/api/trees/{tree['id']}/precompute", json={"settings": settings})
+    answer = api.post("/api/jobs", json={"tree_id": tree["id"], "settings": settings})
     problem = assert_problem(answer, 422, "invalid-request")
     assert next(iter(settings)) in problem["detail"]
 

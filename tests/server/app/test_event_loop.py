@@ -117,7 +117,6 @@ def largest_inputs() -> dict[str, Requests]:
         "GET /api/trees": page,
         "GET /api/trees/{tree_id}": plain,
         "PATCH /api/trees/{tree_id}": bodies(),
-        "POST /api/trees/{tree_id}/precompute": bodies(),
         "POST /api/trees/{tree_id}/pieces": [{}],
         "POST /api/trees/{tree_id}/copies": bodies(),
         "GET /api/trees/{tree_id}/thumbnail": plain,

@@ -52,7 +52,7 @@ def begin(api: httpx.Client, height_m: float) -> tuple[dict[str, Any], dict[str,
 
 def compute(api: httpx.Client, tree: dict[str, Any]) -> dict[str, Any]:
     """Start the build of a tree; its job."""
-    return api.post(f"/api/trees/{tree['id']}/precompute", json={"settings": SMALL}).json()
+    return api.post("/api/jobs", json={"tree_id": tree["id"], "settings": SMALL}).json()
 
 
 def sampling(api: httpx.Client, job: dict[str, Any]) -> None:

@@ -18,7 +18,7 @@ StartServer = Callable[..., Server]
 
 def begin(api: httpx.Client, filename: str = "tree.obj") -> dict[str, Any]:
     tree = upload(api, filename.encode(), filename).json()
-    job: dict[str, Any] = api.post(f"/api/trees/{tree['id']}/precompute").json()
+    job: dict[str, Any] = api.post("/api/jobs", json={"tree_id": tree["id"]}).json()
     return job
 
 

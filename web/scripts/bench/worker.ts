@@ -65,9 +65,10 @@ async function method(browser: Browser, base: string, name: string): Promise<Fig
 
 async function wind(page: Page, model: string): Promise<Figure> {
   await page.evaluate((model) => {
-    const { waves: _, ...plain } = window.galewood?.wind ?? ({} as never);
-    const scale = model === "cosine" ? {} : { length_scale_m: 20 };
-    window.galewood?.setWind({ ...plain, model, ...scale });
+    // each model has fields of its own, and refuses those of another
+    const { waves: _, length_scale_m: __, ...plain } = window.galewood?.wind ?? ({} as never);
+    const own = model === "cosine" ? {} : { length_scale_m: 20 };
+    window.galewood?.setWind({ ...plain, model, ...own });
   }, model);
   await sample(page, 150); // transition and warm-up
   const times = (await sample(page, FRAME_COUNT)).map(({ wind_ms }) => wind_ms);

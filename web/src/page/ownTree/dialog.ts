@@ -9,7 +9,7 @@ import {
   knownSpecies,
   Problem,
   type ReportedTree,
-  startPrecompute,
+  startBuild,
   thumbnailUrl,
 } from "../server/api";
 import { IMPORT_LIMITS } from "../server/schema";
@@ -250,7 +250,7 @@ export class OwnTreeDialog {
     if (!fine) return;
     this.busy("Submitting");
     try {
-      await startPrecompute(this.tree.id, this.liveliness.settings);
+      await startBuild(this.tree.id, this.liveliness.settings);
       this.started = true;
       this.follow();
     } catch (error) {

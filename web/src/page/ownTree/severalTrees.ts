@@ -9,7 +9,7 @@ import {
   isActive,
   Problem,
   type ReportedTree,
-  startPrecompute,
+  startBuild,
   type Tree,
   type TreeChange,
 } from "../server/api";
@@ -127,7 +127,7 @@ export class SeveralTrees {
         return;
       }
       if (tree.state === "uploaded" || tree.state === "failed")
-        await startPrecompute(tree.id, entry.found.taken ? this.host.settings : {});
+        await startBuild(tree.id, entry.found.taken ? this.host.settings : {});
       this.follow(entry, tree);
       if (this.wasLeft(entry) && !entry.found.taken) await this.remove(entry);
     } catch (error) {

@@ -117,11 +117,11 @@ export async function fetchTree(id: string): Promise<ReportedTree> {
   return (await (await fetchApi(`api/trees/${encodeURIComponent(id)}`)).json()) as ReportedTree;
 }
 
-export async function startPrecompute(treeId: string, settings: BuildSettings = {}): Promise<Job> {
-  const path = `api/trees/${encodeURIComponent(treeId)}/precompute`;
-  const body = JSON.stringify({ settings });
+/** Queues the computation of a tree's table. */
+export async function startBuild(treeId: string, settings: BuildSettings = {}): Promise<Job> {
+  const body = JSON.stringify({ tree_id: treeId, settings });
   const init = { method: "POST", headers: { "content-type": "application/json" }, body };
-  return (await (await fetchApi(path, init)).json()) as Job;
+  return (await (await fetchApi("api/jobs", init)).json()) as Job;
 }
 
 /** Imports the mesh again with these corrections. */

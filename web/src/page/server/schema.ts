@@ -219,8 +219,8 @@ export interface Schemas {
   };
   /** Body of POST /api/jobs. */
   JobRequest: {
-    settings?: Schemas["BuildSettings"];
     tree_id: string;
+    settings?: Schemas["BuildSettings"];
   };
   /** Response of /api/health: versions of the software, the table format and the stream protocol. */
   Liveness: {
@@ -258,10 +258,6 @@ export interface Schemas {
     figures: Record<string, string>;
     notes: string[];
   };
-  /** Body of POST /api/trees/{id}/precompute (optional). */
-  PrecomputeRequest: {
-    settings?: Schemas["BuildSettings"];
-  };
   /** Response of /api/health/ready: `status` is "ok" or "unable". */
   Readiness: {
     status: string;
@@ -288,6 +284,7 @@ export interface Schemas {
     builtin: string;
     height_m: number;
     slender: boolean;
+    dbh_cm?: number | null;
   };
   /** What was simulated of a tree: tetrahedra (indices of vertices) and skeleton; tree frame, y up. */
   StructureOut: {
@@ -446,6 +443,8 @@ export interface Schemas {
     poisson_transverse?: number | null;
     /** Density of green wood, kg/m³. */
     density_kg_m3?: number | null;
+    /** Bending strength of green wood, Pa. */
+    modulus_of_rupture_pa?: number | null;
     /** Damping ratio of the wood. */
     damping_ratio?: number | null;
     /** Relative to the frontal area of the tree. */

@@ -4,7 +4,7 @@ import type { Views } from "../camera/views";
 import type { World } from "../forest/world";
 import { onlyExtrasLeft } from "../paper/paperState";
 import type { ProgressTools } from "../progress/progressCards";
-import { cancelJob, deleteTree, isActive, Problem, startPrecompute, type TreeChange } from "../server/api";
+import { cancelJob, deleteTree, isActive, Problem, startBuild, type TreeChange } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
 import { plantAs, plantedAs } from "../settings/planted";
 import { watch } from "../store/signals";
@@ -158,7 +158,7 @@ export class OwnTrees implements ProgressTools {
   }
 
   again(id: string): void {
-    this.request(startPrecompute(id));
+    this.request(startBuild(id));
   }
 
   remove(id: string): void {
