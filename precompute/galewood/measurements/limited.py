@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 
-from galewood.measurements.anemometer import MeasurementError
 from galewood.measurements.data_file import UnknownContentError, read_data_file
+from galewood.measurements.errors import MeasurementError
 from galewood.measurements.inventory import InventoryError
 from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.util import MeshError
@@ -17,7 +17,7 @@ REFUSALS = frozenset(("bad-inventory", "bad-measurement", "unknown-content"))
 """Codes of the errors that the reader itself raises."""
 
 
-def convert_limited(data: bytes | bytearray, start_s: float = 0.0) -> bytes:
+def convert_limited(data: bytes | memoryview, start_s: float = 0.0) -> bytes:
     """Read a data file in a child process and return its document as JSON. Raises MeshError.
 
     The document is the inventory document, or the ``wind`` and the ``report`` of a measurement.

@@ -342,7 +342,7 @@ def test_the_document_has_the_fields_of_its_format() -> None:
         assert f"`{field.name}`" in page, field.name
     assert document["stems"][0] == {
         "line": 2, "east_m": -3.0, "north_m": -4.0, "species": "maple", "builtin": "maple", "height_m": 12.0,
-        "slender": False,
+        "slender": False, "dbh_cm": 30.0,
     }  # fmt: skip
     assert document["report"]["figures"]["Trees"] == "3 of 3 rows"
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 import numpy.typing as npt
 
 from galewood.measurements.anemometer.columns import Columns
-from galewood.measurements.anemometer.errors import MeasurementError
 from galewood.measurements.anemometer.reading import Measurement, measurement_of
 from galewood.measurements.anemometer.samples import FASTEST_M_S, MOST_ROWS, Samples
-from galewood.util import Floats
+from galewood.measurements.array_values import numbers_of, seconds_of
+from galewood.measurements.errors import MeasurementError
 
 ARRAY_COLUMNS = Columns(
     ("time_s", "speed_m_s", "direction_deg"), 0, speed=1, direction=2, speed_unit="m/s", time_unit="s"
@@ -38,10 +36,10 @@ def measured_wind(
     Raises:
         MeasurementError: The arrays are no series of samples: what is wrong and what is expected.
     """
-    times = _seconds(time_s)
+    times = seconds_of(time_s)
     count = len(times)
-    speed = _numbers("speed_m_s", speed_m_s, count)
-    from_deg = _numbers("direction_deg", 270.0 if direction_deg is None else direction_deg, count)
+    speed = numbers_of("speed_m_s", speed_m_s, count)
+    from_deg = numbers_of("direction_deg", 270.0 if direction_deg is None else direction_deg, count)
     if count > MOST_ROWS:
         raise MeasurementError(f"more than {MOST_ROWS} samples; pass a part of them")
     if bool(np.any(speed < 0.0)):
@@ -52,24 +50,3 @@ def measured_wind(
     east, north = -speed * np.sin(angle), -speed * np.cos(angle)
     samples = Samples(ARRAY_COLUMNS, times.tolist(), east.tolist(), north.tolist(), int(fastest.sum()))
     return measurement_of(samples, start_s)
-
-
-def _seconds(time_s: npt.ArrayLike) -> Floats:
-    """(n,) times in s, from the first sample where they are dates."""
-    given = np.asarray(time_s)
-    if given.dtype.kind == "M":
-        dates = given.astype("datetime64[ns]").reshape(-1)
-        since = (dates - dates[:1]) / np.timedelta64(1, "s")
-        return cast(Floats, np.where(np.isnat(dates), np.nan, since))
-    return _numbers("time_s", given, given.size)
-
-
-def _numbers(name: str, values: npt.ArrayLike, count: int) -> Floats:
-    """(count,) numbers, infinite ones as NaN. MeasurementError if the array has another length or is none."""
-    try:
-        given = np.asarray(values, np.float64)
-    except (TypeError, ValueError):
-        raise MeasurementError(f"{name}: expected an array of numbers") from None
-    if given.shape not in ((), (count,)):
-        raise MeasurementError(f"{name}: expected {count} numbers, as many as time_s has, not {given.shape}")
-    return np.where(np.isfinite(given), given, np.nan) * np.ones(count)

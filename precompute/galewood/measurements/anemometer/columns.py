@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from dataclasses import dataclass, replace
 
+from galewood.measurements.column_names import (
+    DATE_NAME,
+    SPEED_UNITS,
+    TIME_NAME,
+    TIME_UNITS,
+    plain_name,
+    unit_in,
+    unit_of,
+)
 from galewood.util import Row
 
-SPEED_UNITS = {
-    "m/s": (1.0, r"m/s(ec)?|m/?s-1|mps|ms|met(er|re)s?/s(ec(ond)?)?|met(er|re)spersecond"),
-    "km/h": (1.0 / 3.6, r"km/?h(r|our)?|km/?h-1|kph|kmph"),
-    "mph": (0.44704, r"mph|mi/h|miles/h(our)?|milesperhour"),
-    "knots": (1852.0 / 3600.0, r"kno?ts?|kn|kts?|knoten"),
-    "ft/s": (0.3048, r"ft/s(ec)?|fps|feet/s(ec(ond)?)?"),
-    "cm/s": (0.01, r"cm/s(ec)?|cm/?s-1"),
-}
-TIME_UNITS = {
-    "ms": (1e-3, r"ms|msec|millis(ec(ond)?s?)?"),
-    "s": (1.0, r"s|secs?|seconds?|sekunden?|epoch|unix|unixtime"),
-    "min": (60.0, r"min(ute)?s?|minuten"),
-    "h": (3600.0, r"h|hrs?|hours?|stunden?"),
-}
-_TIME = re.compile(
-    r"(?:^| )(time ?stamp|date ?time|time|zeit|zeitpunkt|zeitstempel|messzeit|uhrzeit|t|seconds?|secs?|s|ms"
-    r"|millis(?:econds?)?|epoch|unix ?time|utc|local ?time|elapsed)(?: |$)"
-)
-_DATE = re.compile(r"(?:^| )(date|datum|day|tag)(?: |$)")
 _SPEED = re.compile(
     r"(?:^| )(wind ?speed|wind ?spd|wspd|ws\d*|wind ?vel(?:ocity)?|wind ?geschw[a-z]*|geschwindigkeit|speed"
     r"|spd|ff|velocity)(?: |$)"
@@ -99,14 +88,14 @@ class Columns:
 def columns_of(row: Row) -> Columns | None:
     """The columns that a row of names describes; None if it is no such row."""
     names = tuple(cell.lstrip("#%! /").strip() for cell in row.cells)
-    plain = [_plain(name) for name in names]
+    plain = [plain_name(name) for name in names]
     value = [not _OTHER.search(name) for name in plain]
 
     def first(pattern: re.Pattern[str], *, whole: bool = False) -> int:
         test = pattern.fullmatch if whole else pattern.search
         return next((k for k, name in enumerate(plain) if value[k] and test(name)), -1)
 
-    time, date = first(_TIME), first(_DATE)
+    time, date = first(TIME_NAME), first(DATE_NAME)
     speed, direction = first(_SPEED), first(_DIRECTION)
     east, north = first(_EAST, whole=True), first(_NORTH, whole=True)
     if time < 0:
@@ -118,12 +107,12 @@ def columns_of(row: Row) -> Columns | None:
     if speed >= 0:
         east = north = -1
     found = Columns(names, time, date if date != time else -1, speed, direction, east, north)
-    unit = _unit_in(names[found.first_value], SPEED_UNITS)
+    unit = unit_in(names[found.first_value], SPEED_UNITS)
     angle = names[direction] if direction >= 0 else ""
     return replace(
         found,
         speed_unit=unit,
-        time_unit=_unit_in(names[time], TIME_UNITS),
+        time_unit=unit_in(names[time], TIME_UNITS),
         direction_unit="rad" if re.search(r"[\[(]rad", angle.lower()) else "deg",
         towards=direction >= 0 and bool(_TOWARDS.search(plain[direction])),
     )
@@ -142,15 +131,6 @@ def with_units(columns: Columns, row: Row) -> Columns:
     )
 
 
-def unit_of(text: str, units: dict[str, tuple[float, str]]) -> str:
-    """The unit that a text names; empty if it names none."""
-    compact = re.sub(r"[\s^*·()\[\]]", "", text.lower()).replace("−", "-").replace("per", "/")
-    for unit, (_, pattern) in units.items():
-        if re.fullmatch(pattern, compact):
-            return unit
-    return ""
-
-
 def compass_deg(cell: str) -> float:
     """The angle of a point of the compass (N, NNE, …); ValueError for another text."""
     point = cell.upper().replace("O", "E")
@@ -162,19 +142,3 @@ def compass_deg(cell: str) -> float:
 def to_radians(angle: float, unit: str) -> float:
     """An angle in radians."""
     return angle if unit == "rad" else math.radians(angle)
-
-
-def _plain(name: str) -> str:
-    """A name in lower case, without its unit in brackets, words separated by single blanks."""
-    bare = re.sub(r"[\[(].*?[\])]", " ", name.lower()).replace("ö", "oe")
-    return re.sub(r"[^a-z0-9/]+", " ", bare).strip()
-
-
-def _unit_in(name: str, units: dict[str, tuple[float, str]]) -> str:
-    """The unit in the brackets of a name, or among its words."""
-    for bracket in re.findall(r"[\[(](.*?)[\])]", name):
-        if unit := unit_of(bracket, units):
-            return unit
-    words = _plain(name).split(" ")
-    pairs = [f"{a}/{b}" for a, b in itertools.pairwise(words)]
-    return next((unit for text in [*pairs, *words] if (unit := unit_of(text, units))), "")

@@ -10,13 +10,15 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from galewood.constants import MOST_RECORDING_SAMPLES, TURBULENCE_PER_GUSTINESS
-from galewood.measurements.anemometer.errors import MeasurementError
 from galewood.measurements.anemometer.report import MeasurementReport, figures_of, notes_of
 from galewood.measurements.anemometer.samples import Samples, samples_of
 from galewood.measurements.anemometer.series import Found, Series, series_of
+from galewood.measurements.errors import MeasurementError
 from galewood.motion.wind import Wind, quantised
-from galewood.util import decoded, rows_of
+from galewood.util import Floats, decoded, rows_of
 
 LARGEST_BYTES = 64 * 1024**2
 CLOSING_S = 5.0
@@ -54,6 +56,21 @@ def read_measurement(file: Path | str | bytes, *, start_s: float = 0.0) -> Measu
     except ValueError as error:
         raise MeasurementError(str(error)) from None
     return measurement_of(samples, start_s)
+
+
+def measured_velocities(data: bytes) -> Floats:
+    """(n, 2) velocities to the east and to the north of all samples of a file, m/s, without the missing ones.
+
+    Their times may be far apart, as in hourly means. MeasurementError.
+    """
+    try:
+        samples = samples_of(rows_of(decoded(data)))
+    except MeasurementError:
+        raise
+    except ValueError as error:
+        raise MeasurementError(str(error)) from None
+    found = np.column_stack([samples.east_m_s, samples.north_m_s])
+    return found[np.isfinite(found).all(axis=1)]
 
 
 def measurement_of(samples: Samples, start_s: float) -> Measurement:

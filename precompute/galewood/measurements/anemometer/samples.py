@@ -8,23 +8,22 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 
 from galewood.measurements.anemometer.columns import (
-    SPEED_UNITS,
-    TIME_UNITS,
     Columns,
     columns_of,
     compass_deg,
     to_radians,
     with_units,
 )
-from galewood.measurements.anemometer.errors import MeasurementError, at
-from galewood.measurements.anemometer.times import DAY_S, date_time_s, is_clock, is_compact, is_month_first
+from galewood.measurements.clock import Clock, is_number
+from galewood.measurements.column_names import SPEED_UNITS
+from galewood.measurements.errors import MeasurementError, at
+from galewood.measurements.times import date_time_s
 from galewood.util import HEADER_WITHIN, Row, number_of
 
 UNIT_ROWS = 3
 MOST_ROWS = 2_000_000
 FASTEST_M_S = 75.0
 """Faster values count as missing: no mast survives them, and loggers write 99.9 or 999 for a fault."""
-EPOCH_MS = 1e11
 UNREADABLE_SHARE = 0.05
 """If cells of a larger share of the rows cannot be read, a column is not what its name says: an error."""
 NO_HEADER = (
@@ -61,11 +60,11 @@ def samples_of(rows: Iterable[Row]) -> Samples:
     data = data[skipped:]
     if not data:
         raise MeasurementError("there are no rows of numbers below the names of the columns")
-    clock = _Clock(columns, data)
+    clock = Clock(columns.time, columns.date, columns.time_unit, data)
     samples = Samples(replace(columns, time_unit=clock.unit))
     for row in data:
         try:
-            time_s, velocity = clock.time_s(row), _velocity(samples, columns, row)
+            time_s, velocity = _time_s(clock, columns, row), _velocity(samples, columns, row)
         except MeasurementError as error:
             samples.unreadable.append(error)
             time_s, velocity = math.nan, (math.nan, math.nan)
@@ -89,68 +88,27 @@ def _header(rows: list[Row]) -> tuple[Columns, int] | None:
             return columns, k + 1
     first = next((k for k, row in enumerate(rows) if not row.is_comment), 0)
     cells = rows[first].cells if rows else ()
-    if len(cells) == 3 and all(_is_number(cell) for cell in cells[1:]):
+    if len(cells) == 3 and all(is_number(cell) for cell in cells[1:]):
         return Columns(("time", "speed", "direction"), 0, speed=1, direction=2), first
     return None
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        return not math.isnan(number_of(cell))
-    except ValueError:
-        return False
 
 
 def _skip_units(columns: Columns, rows: list[Row]) -> tuple[Columns, int]:
     """The columns with their units, and how many rows of units and statistics lie above the numbers."""
     for k, row in enumerate(rows[:UNIT_ROWS]):
-        if _is_number(row.cell(columns.first_value)):
+        if is_number(row.cell(columns.first_value)):
             return columns, k
-        if _is_number(row.cell(columns.time)) or date_time_s(row.cell(columns.time)) is not None:
+        if is_number(row.cell(columns.time)) or date_time_s(row.cell(columns.time)) is not None:
             return columns, k
         columns = with_units(columns, row)
     return columns, min(UNIT_ROWS, len(rows))
 
 
-class _Clock:
-    """Reads the times of the rows."""
-
-    def __init__(self, columns: Columns, rows: list[Row]) -> None:
-        self._columns = columns
-        texts = [row.cell(columns.time) for row in rows]
-        self._dated = columns.date >= 0 and is_clock(texts[0])
-        dates = [row.cell(columns.date) for row in rows] if self._dated else texts
-        compact = not columns.time_unit and all(is_compact(text) for text in texts if text)
-        self._numbers = _is_number(texts[0]) and not compact
-        self._month_first = True if self._numbers else is_month_first(dates)
-        self._daily = not self._dated and is_clock(texts[0])
-        self._days_s, self._last_s = 0.0, -math.inf
-        huge = self._numbers and number_of(texts[0]) > EPOCH_MS
-        self.unit = (columns.time_unit or ("ms" if huge else "s")) if self._numbers else ""
-
-    def time_s(self, row: Row) -> float:
-        """Seconds; NaN if the time is missing."""
-        text = row.cell(self._columns.time)
-        name = self._columns.name(self._columns.time)
-        if self._numbers:
-            try:
-                return number_of(text) * TIME_UNITS[self.unit][0]
-            except ValueError as error:
-                raise at(row.line, name, f"{error}, as the times above it are") from None
-        if self._dated:
-            text = f"{row.cell(self._columns.date)} {text}"
-        if not text.strip():
-            return math.nan
-        time_s = date_time_s(text, month_first=self._month_first)
-        if time_s is None:
-            raise at(row.line, name, f"{text[:40]!r} is not a time such as 2024-05-31T12:00:00.5 or 12.5")
-        return self._past_midnight(time_s) if self._daily else time_s
-
-    def _past_midnight(self, time_s: float) -> float:
-        if time_s < self._last_s - DAY_S / 2:
-            self._days_s += DAY_S
-        self._last_s = time_s
-        return time_s + self._days_s
+def _time_s(clock: Clock, columns: Columns, row: Row) -> float:
+    try:
+        return clock.time_s(row)
+    except ValueError as error:
+        raise at(row.line, columns.name(columns.time), str(error)) from None
 
 
 def _velocity(samples: Samples, columns: Columns, row: Row) -> tuple[float, float]:

@@ -6,8 +6,9 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from galewood.measurements.anemometer.errors import MeasurementError
 from galewood.measurements.anemometer.samples import Samples
+from galewood.measurements.clock import GAP_INTERVALS, spread_times, usual_interval_s
+from galewood.measurements.errors import MeasurementError
 
 FASTEST_RATE_HZ = 10.0
 """Faster series are averaged: trees do not respond to faster gusts."""
@@ -15,8 +16,6 @@ HIGHEST_RATE_HZ = 250.0
 """No anemometer is faster; a file that seems to be has another unit of time."""
 FEWEST_SAMPLES = 10
 """Samples that are needed."""
-GAP_INTERVALS = 1.5
-"""A pause of more than this many intervals is a gap."""
 BRIDGED_S, BRIDGED_INTERVALS = 60.0, 3.0
 """Longer gaps, in s and in intervals, end a piece; the longest piece is used."""
 ON_TIME = 0.02
@@ -50,7 +49,7 @@ class Series:
 
 def series_of(samples: Samples) -> tuple[Series, Found]:
     """Put the samples in order and at equal intervals. MeasurementError if too few are left."""
-    times = _spread(samples.time_s)
+    times = spread_times(samples.time_s)
     rows = list(zip(times, samples.east_m_s, samples.north_m_s, strict=True))
     timed = [row for row in rows if not math.isnan(row[0])]
     disordered = sum(b[0] < a[0] for a, b in itertools.pairwise(timed))
@@ -61,7 +60,7 @@ def series_of(samples: Samples) -> tuple[Series, Found]:
         raise MeasurementError(
             f"only {len(valid)} samples have a time and a wind; at least {FEWEST_SAMPLES} are needed"
         )
-    interval_s = _interval(unique)
+    interval_s = usual_interval_s([row[0] for row in unique])
     if interval_s * HIGHEST_RATE_HZ < 1.0:
         raise MeasurementError(
             f"the times give {1.0 / interval_s:,.0f} samples a second, more than any anemometer; state their "
@@ -91,35 +90,6 @@ def series_of(samples: Samples) -> tuple[Series, Found]:
 
 
 Timed = tuple[float, float, float]
-
-
-def _spread(times: list[float]) -> list[float]:
-    """The times; if most are repeated, as by loggers that write whole seconds, spread over their interval."""
-    same = sum(b == a for a, b in itertools.pairwise(times))
-    if 2 * same < len(times):
-        return times
-    starts = [k for k in range(len(times)) if k == 0 or times[k] != times[k - 1]]
-    if len(starts) < 3:
-        return times
-    ends = [*starts[1:], len(times)]
-    spread = list(times)
-    most = sorted(end - start for start, end in zip(starts, ends, strict=True))[len(starts) // 2]
-    for k, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        near = k if k + 1 < len(starts) else k - 1
-        step = (times[starts[near + 1]] - times[starts[near]]) / max(end - start, most)
-        # the first second may begin in its middle
-        missing = max(most - (end - start), 0) if k == 0 else 0
-        for i in range(start, end):
-            spread[i] = times[start] + (i - start + missing) * step
-    return spread
-
-
-def _interval(rows: list[Timed]) -> float:
-    """The interval of the series: the mean of those that are near the median."""
-    steps = [b[0] - a[0] for a, b in itertools.pairwise(rows)]
-    median = sorted(steps)[len(steps) // 2]
-    near = [step for step in steps if median / GAP_INTERVALS <= step <= GAP_INTERVALS * median]
-    return sum(near) / len(near)
 
 
 def _longest_piece(rows: list[Timed], interval_s: float) -> list[Timed]:

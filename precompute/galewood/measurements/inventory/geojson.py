@@ -25,7 +25,7 @@ def rows_of_geojson(text: str) -> list[Row]:
         names.update(dict.fromkeys(_mapping(feature.get("properties"))))
     # names of places among the properties must not come before the geometry
     kept = [name for name in names if name.lower() not in ("x", "y", "lon", "lat")]
-    places = ("x", "y") if _is_projected(document) else ("lon", "lat")
+    places = ("x", "y") if is_projected(document) else ("lon", "lat")
     rows = [Row(0, (*places, *map(shown_text, kept)))]
     for number, feature in enumerate(listed, 1):
         properties = _mapping(feature.get("properties"))
@@ -37,8 +37,8 @@ def _mapping(value: object) -> Mapping[str, Any]:
     return cast("Mapping[str, Any]", value) if isinstance(value, Mapping) else {}
 
 
-def _is_projected(document: Mapping[str, Any]) -> bool:
-    """Whether coordinates are metres: an old file names a projected reference system."""
+def is_projected(document: Mapping[str, Any]) -> bool:
+    """Whether coordinates of a GeoJSON file are metres: an old file names a projected reference system."""
     name = str(_mapping(_mapping(document.get("crs")).get("properties")).get("name", ""))
     return bool(name) and not name.endswith(("CRS84", ":4326", ":4258"))
 

@@ -52,6 +52,8 @@ class Stem:
     height_m: float
     slender: bool
     """Whether it has grown in a stand."""
+    dbh_cm: float | None = None
+    """Diameter at 1.3 m; None: not measured."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +227,8 @@ def _stem(raw: _Raw, per_ha: float, curves: Mapping[str, HeightCurve]) -> Stem:
     height_m = _estimated_m(raw, curves) if math.isnan(raw.height_m) else raw.height_m
     slender = per_ha > DENSE_PER_HA if formless else height_m / raw.dbh_m > SLENDER_HEIGHT_PER_DIAMETER
     builtin = match_species(raw.species, height_m).builtin
-    return Stem(raw.line, raw.x, raw.y, raw.species, builtin, height_m, slender)
+    dbh_cm = None if math.isnan(raw.dbh_m) else 100 * raw.dbh_m
+    return Stem(raw.line, raw.x, raw.y, raw.species, builtin, height_m, slender, dbh_cm)
 
 
 def _estimated_m(raw: _Raw, curves: Mapping[str, HeightCurve]) -> float:

@@ -31,6 +31,20 @@ STANDS_FOR: dict[str, str] = {
     **dict.fromkeys(_BROAD.split(), "maple"),
     **dict.fromkeys(_SMALL.split(), "apricot"),
 }
+_CONIFERS = (
+    "abies calocedrus cedrus chamaecyparis cupressus juniperus larix metasequoia picea pinus pseudotsuga "
+    "sequoia sequoiadendron taxodium taxus thuja tsuga"
+)
+WOODS: dict[str, str] = {
+    **BUILTIN_SPECIES,
+    "fraxinus": "ash",
+    "betula": "birch",
+    "quercus": "oak",
+    "platanus": "plane",
+    **dict.fromkeys(_CONIFERS.split(), "conifer"),
+}
+"""Species of wood (galewood.wood) by genus; all others have an average one."""
+SYCAMORES = ("pseudoplatanus", "bergahorn", "sycamore maple")
 _COMMON = (
     "populus:poplar,aspen,cottonwood,pappel,espe,zitterpappel acer:maple,boxelder,ahorn "
     "prunus:apricot,cherry,plum,almond,peach,blackthorn,aprikose,marille,kirsche,pflaume,zwetschge,"
@@ -82,6 +96,13 @@ def match_species(name: str, height_m: float) -> Match:
     if genus:
         return Match(STANDS_FOR[genus], genus)
     return Match("apricot" if height_m < SMALL_M else "maple", "")
+
+
+def wood_species_of(name: str) -> str:
+    """The species of wood (galewood.wood) for a name; "default" for one that has none of its own."""
+    if any(sycamore in plain(name) for sycamore in SYCAMORES):
+        return "sycamore"
+    return WOODS.get(genus_of(name), "default")
 
 
 @lru_cache(maxsize=4096)
