@@ -1,4 +1,4 @@
-"""Elastic constants, density and damping of green wood, by species or from a user's document."""
+"""Elastic constants, strength, density and damping of green wood, by species or from a user's document."""
 
 from galewood.wood.document import WoodDocument, WoodError, read_wood_document
 from galewood.wood.species import BARE_EXPONENT, LEAF_EXPONENT, SPECIES, Wood, wood_of_species

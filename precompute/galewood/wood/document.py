@@ -12,6 +12,7 @@ from galewood.wood.species import Wood, wood_of_species
 Ratio = Annotated[float, Field(ge=0.005, le=1.0)]
 Modulus = Annotated[float, Field(ge=1e8, le=5e10)]
 Density = Annotated[float, Field(ge=100.0, le=1500.0)]
+Strength = Annotated[float, Field(ge=1e6, le=1e9)]
 Damping = Annotated[float, Field(ge=0.001, le=0.5)]
 Drag = Annotated[float, Field(ge=0.05, le=2.0)]
 Exponent = Annotated[float, Field(ge=1.0, le=2.0)]
@@ -46,6 +47,9 @@ class WoodDocument(BaseModel):
     poisson_longitudinal: Annotated[float | None, Field(ge=0.0, le=0.6, description="ν_LT.")] = None
     poisson_transverse: Annotated[float | None, Field(ge=0.0, le=0.95, description="ν_TT.")] = None
     density_kg_m3: Annotated[Density | None, Field(description="Density of green wood, kg/m³.")] = None
+    modulus_of_rupture_pa: Annotated[
+        Strength | None, Field(description="Bending strength of green wood, Pa.")
+    ] = None
     damping_ratio: Annotated[Damping | None, Field(description="Damping ratio of the wood.")] = None
     drag_coefficient: Annotated[
         Drag | None, Field(description="Relative to the frontal area of the tree.")

@@ -1,4 +1,4 @@
-"""Green wood: elastic constants, density and damping of the supported species.
+"""Green wood: elastic constants, strength, density and damping of the supported species.
 
 Wood is modelled as transversely isotropic about its fibre. The radial and tangential constants are averaged,
 because the cross-section of a branch has too few tetrahedra to resolve the ring structure.
@@ -16,6 +16,13 @@ Sources, by the tag in each entry:
 - ``oak drag``: wind drag of an open-grown oak through the seasons (doi 10.1093/aob/cpz026, abstract).
 - ``WH21``: the 2021 edition, FPL-GTR-282, tables 4-1 (moisture of green wood) and 5-3a (static bending), from
   a transcript of the rows for white ash and white oak.
+
+Moduli of rupture are those of green wood in static bending, of small clear specimens. For oak, ash, birch and
+sycamore they are E times the rupture strains 0.0069, 0.0070, 0.0074 and 0.0079 with which the critical winds
+of the measured trees were computed (``Wytham``). The others are those of the wood that stands in for the
+species, as table 5-3 of ``WH`` has them: eastern cottonwood 5,300 psi (``matweb``), sugar maple 65 MPa and
+Douglas-fir, interior south 47 MPa (``engdb``), black cherry 8,000 psi (``AHEC``); American sycamore 6,500 psi
+is quoted from memory, unchecked.
 
 Values without a second source are marked "unchecked" in the entry: the ratios of cottonwood and black cherry,
 those of ash, birch and oak, and all constants of plane. Unchecked ratios of ash, birch, oak and plane are
@@ -40,10 +47,10 @@ BARE_EXPONENT = 2.0
 
 @dataclass(frozen=True, kw_only=True)
 class Wood:
-    """Elastic and inertial constants of green wood; ratios are relative to the longitudinal modulus.
+    """Constants of green wood; ratios are relative to the longitudinal modulus.
 
     ``streamlined_exponent`` is that of a tree in leaf: its wind load grows with this power of the wind speed
-    above 5 m/s. Bare trees have ``BARE_EXPONENT``.
+    above 5 m/s. Bare trees have ``BARE_EXPONENT``. ``modulus_of_rupture_pa`` is the bending strength.
     """
 
     name: str
@@ -55,6 +62,7 @@ class Wood:
     poisson_longitudinal: float
     poisson_transverse: float
     density_kg_m3: float
+    modulus_of_rupture_pa: float
     damping_ratio: float
     drag_coefficient: float
     source: str
@@ -68,15 +76,21 @@ class Wood:
             self.shear_lr_ratio,
             self.shear_lt_ratio,
             self.density_kg_m3,
+            self.modulus_of_rupture_pa,
         )
         if not all(0 < value < float("inf") for value in positive):
-            raise ValueError(f"{self.name}: moduli, ratios and density must be positive and finite")
+            raise ValueError(f"{self.name}: moduli, ratios, density and strength must be positive and finite")
         if not 0 < self.damping_ratio < 1:
             raise ValueError(f"{self.name}: the damping ratio must lie between 0 and 1")
         if not 1 <= self.streamlined_exponent <= 2:
             raise ValueError(f"{self.name}: the streamlined exponent must lie between 1 and 2")
         if not self.is_stable():
             raise ValueError(f"{self.name}: the wood is unstable with these Poisson's ratios")
+
+    @property
+    def rupture_strain(self) -> float:
+        """Bending strain at which sound green wood breaks: modulus of rupture over E."""
+        return self.modulus_of_rupture_pa / self.young_longitudinal_pa
 
     @property
     def young_transverse_pa(self) -> float:
@@ -125,6 +139,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.38,
             poisson_transverse=0.55,
             density_kg_m3=785.0,
+            modulus_of_rupture_pa=37e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="eastern cottonwood: E, density green (WH 5-3, matweb); ratios WH 5-1, 5-2 (unchecked)",
@@ -139,6 +154,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.45,
             poisson_transverse=0.52,
             density_kg_m3=940.0,
+            modulus_of_rupture_pa=65e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="sugar maple: E green, ratios (WH 5-1 to 5-3, engdb); green density from "
@@ -154,6 +170,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.41,
             poisson_transverse=0.53,
             density_kg_m3=920.0,
+            modulus_of_rupture_pa=55e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="black cherry stands in for apricot: E green (WH 5-3, AHEC); ratios WH 5-1, 5-2 "
@@ -170,6 +187,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.37,
             poisson_transverse=0.38,
             density_kg_m3=690.0,
+            modulus_of_rupture_pa=47e6,
             damping_ratio=0.04,
             drag_coefficient=0.45,
             source="Douglas-fir, interior south: E green, ratios (WH 5-1 to 5-3, engdb); density green "
@@ -185,6 +203,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.41,
             poisson_transverse=0.50,
             density_kg_m3=801.0,
+            modulus_of_rupture_pa=66.5e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="European ash: E and density green (Wytham); ratios of white ash (WH 5-1, 5-2, unchecked)",
@@ -199,6 +218,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.44,
             poisson_transverse=0.54,
             density_kg_m3=801.0,
+            modulus_of_rupture_pa=62.9e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="European birch: E and density green (Wytham); ratios of yellow birch (WH 5-1, 5-2, "
@@ -214,6 +234,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.40,
             poisson_transverse=0.43,
             density_kg_m3=865.0,
+            modulus_of_rupture_pa=72.5e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="European oak: E and density green (Wytham); ratios of white oak (WH 5-1, 5-2, "
@@ -231,6 +252,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.45,
             poisson_transverse=0.52,
             density_kg_m3=721.0,
+            modulus_of_rupture_pa=66.4e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="European sycamore, a maple: E and density green (Wytham); ratios of sugar maple (WH 5-1, "
@@ -246,6 +268,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.36,
             poisson_transverse=0.46,
             density_kg_m3=930.0,
+            modulus_of_rupture_pa=45e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="American sycamore, a plane: E green (WH 5-3, "
@@ -262,6 +285,7 @@ SPECIES: dict[str, Wood] = {
             poisson_longitudinal=0.42,
             poisson_transverse=0.5,
             density_kg_m3=880.0,
+            modulus_of_rupture_pa=60e6,
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="the middle of the hardwoods above, for a tree whose species is not known",

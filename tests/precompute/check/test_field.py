@@ -18,7 +18,7 @@ from galewood.check.field import (
 )
 from galewood.check.field.comparison import options_of
 from galewood.check.field.simulated import diameter_cm
-from galewood.check.field.statistics import agreement, broadleaf_hz, conifer_hz, determination, left_out_hz
+from galewood.check.field.statistics import agreement, broadleaf_hz, conifer_hz, determination, left_out
 from galewood.check.field.summary import summarised
 from galewood.check.verify.beams import pole_frequencies
 from galewood.io.cli.commands import app
@@ -121,12 +121,12 @@ def test_a_power_law_is_fitted_without_the_tree_it_predicts():
     rng = np.random.default_rng(4)
     height, dbh = rng.uniform(8, 30, 7), rng.uniform(10, 80, 7)
     law = np.exp(0.5 - 1.1 * np.log(height) + 0.3 * np.log(dbh))
-    np.testing.assert_allclose(np.asarray(left_out_hz(height, dbh, law)), law, rtol=1e-10)
+    np.testing.assert_allclose(np.asarray(left_out(height, dbh, law)), law, rtol=1e-10)
     outlier = law.copy()
     outlier[3] *= 2
-    assert np.asarray(left_out_hz(height, dbh, outlier))[3] == pytest.approx(law[3])
-    assert left_out_hz(height[:4], dbh[:4], law[:4]) is None
-    assert left_out_hz(np.full(7, 9.0), np.full(7, 20.0), law) is None
+    assert np.asarray(left_out(height, dbh, outlier))[3] == pytest.approx(law[3])
+    assert left_out(height[:4], dbh[:4], law[:4]) is None
+    assert left_out(np.full(7, 9.0), np.full(7, 20.0), law) is None
 
 
 def test_the_setting_chooses_the_regression():
@@ -265,3 +265,43 @@ def test_a_measured_diameter_scales_the_radii_of_a_scan_only():
     assert options_of(row, False, BuildRequest()).dbh_cm is None
     unmeasured = replace(row, dbh_cm=None)
     assert options_of(unmeasured, True, BuildRequest(dbh_cm=25.0)).dbh_cm == 25.0
+
+
+# ---- strains and critical winds --------------------------------------------------------------------
+
+
+def test_columns_of_strain_and_critical_wind(tmp_path):
+    text = "tree,strain_15,microstrain at 7.5 m/s,critical wind (km/h)\na,0.0006,150,180\nb,,80,\n"
+    first, second = read_measurements(table(tmp_path, text))
+    assert dict(first.strains) == pytest.approx({15.0: 0.0006, 7.5: 150e-6})
+    assert first.critical_m_s == pytest.approx(50) and first.frequency_hz is None
+    assert dict(second.strains) == pytest.approx({7.5: 80e-6}) and second.critical_m_s is None
+    with pytest.raises(FieldError, match="line 2: c has no measurement"):
+        read_measurements(table(tmp_path, "tree,strain_15\nc,\n"))
+    with pytest.raises(FieldError, match="strain_15 2 is outside"):
+        read_measurements(table(tmp_path, "tree,strain_15\nc,2\n"))
+
+
+def test_measured_strains_are_compared(tmp_path):
+    trees = tmp_path / "trees"
+    trees.mkdir()
+    rows = ["tree,species,season,strain_15,critical_wind_m_s"]
+    for name, (length, radius) in POLES.items():
+        pole = tube((0, 0, 0), (0, length, 0), radius, radius, sides=24)
+        (trees / f"{name}.obj").write_bytes(obj_bytes(pole))
+        rows.append(f"{name},oak,bare,0.0005,60")
+    (trees / "measured.csv").write_text("\n".join(rows))
+    report = run_field(trees, FieldOptions(cache_dir=tmp_path / "cache", trees=BuildRequest(accept=True)))
+    assert not report["failed"], report["failed"]
+    assert report["frequency"] == {} and set(report["bending"]) == {"critical_m_s", "strain_15"}
+    assert report["bending"]["strain_15"][0]["trees"] == len(POLES)
+    modelled = {tree["tree"]: tree["model_bending"]["strain_15"] for tree in report["trees"]}
+    # a uniform load q = p c 2 r on a pole of length L: the strain at 1.3 m is q (L − 1.3)² / 2 · r / (E I)
+    for name, (length, radius) in POLES.items():
+        load = 0.6125 * 15.0**2 * OAK.drag_coefficient * 2 * radius
+        moment = load * (length - 1.3) ** 2 / 2
+        expected = moment * radius / (OAK.young_longitudinal_pa * math.pi / 4 * radius**4)
+        assert modelled[name] == pytest.approx(expected, rel=0.35)  # the wind grows with the height
+    page = (trees / "field-report" / "report.html").read_text()
+    assert "no substitute for an inspection" in page and page.count("data:image/png") == 1
+    assert (trees / "field-report" / "bending.png").stat().st_size > 5000

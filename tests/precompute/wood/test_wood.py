@@ -16,7 +16,15 @@ def test_every_species_is_stable_green_wood(name: str) -> None:
     assert 500 < wood.density_kg_m3 < 1200
     assert 0.02 <= wood.damping_ratio <= 0.05
     assert wood.streamlined_exponent == (1.64 if name == "oak" else 1.3)
+    assert 0.005 < wood.rupture_strain < 0.008
     assert wood.source
+
+
+@pytest.mark.parametrize(
+    ("name", "strain"), [("oak", 0.0069), ("ash", 0.007), ("birch", 0.0074), ("sycamore", 0.0079)]
+)
+def test_rupture_strains_of_the_measured_trees(name: str, strain: float) -> None:
+    assert wood_of_species(name).rupture_strain == pytest.approx(strain, rel=0.005)
 
 
 def test_aliases_are_accepted_in_any_case() -> None:

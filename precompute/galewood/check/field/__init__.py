@@ -5,13 +5,14 @@ from galewood.check.field.decay import fitted_decay
 from galewood.check.field.measurements import FieldError, Measurement, read_measurements
 from galewood.check.field.plots import decay_figure
 from galewood.check.field.release import pull_and_release
-from galewood.check.field.simulated import tree_of_file
+from galewood.check.field.simulated import diameter_cm, tree_of_file
 
 __all__ = [
     "FieldError",
     "FieldOptions",
     "Measurement",
     "decay_figure",
+    "diameter_cm",
     "fitted_decay",
     "pull_and_release",
     "read_measurements",

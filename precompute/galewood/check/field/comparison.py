@@ -13,14 +13,16 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from galewood.check.field.bending import bending_of, is_bending
 from galewood.check.field.measurements import FieldError, Measurement, is_table, read_measurements
 from galewood.check.field.page import html_page
-from galewood.check.field.plots import scatter_figure
+from galewood.check.field.plots import bending_figure, scatter_figure
 from galewood.check.field.release import pull_and_release
-from galewood.check.field.simulated import tree_of_file
+from galewood.check.field.simulated import dbh_cm_of, mesh_of_file, simulated_tree
 from galewood.check.field.summary import summarised
-from galewood.check.field.sway_mode import main_sway_mode
+from galewood.check.sway import main_sway_mode
 from galewood.options import BuildRequest
+from galewood.tree import TreeMesh
 from galewood.util import Cancelled, MeshError, WorkerPool, write_atomically
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply", ".stl", ".mat", ".csv")
@@ -62,7 +64,7 @@ def run_field(
 ) -> dict[str, Any]:
     """Compute every measured tree of a folder; write and return the report.
 
-    Writes report.json, report.html, scatter.png, and trees/NAME-SEASON.json as soon as a tree is finished. A
+    Writes report.json, report.html, plots, and trees/NAME-SEASON.json as soon as a tree is finished. A
     tree that fails is listed and does not stop the others. KeyboardInterrupt, or Cancelled raised by
     ``on_progress``, ends the run; the report then holds the finished trees, and "interrupted" is true. Raises
     FieldError if the folder or its table cannot be used.
@@ -86,15 +88,17 @@ def run_field(
         interrupted = True
     report = _report(folder, table, tasks, trees, missing, options, interrupted)
     write_atomically(output / "report.json", _json(report))
-    if report["trees"]:
-        figure = scatter_figure(report)
-        figure.savefig(output / "scatter.png", dpi=110)
-    write_atomically(output / "report.html", html_page(report, output / "scatter.png").encode())
+    plots = (output / "scatter.png", output / "bending.png")
+    if any(tree["frequency_hz"] is not None for tree in report["trees"]):
+        scatter_figure(report).savefig(plots[0], dpi=110)
+    if report["bending"]:
+        bending_figure(report).savefig(plots[1], dpi=110)
+    write_atomically(output / "report.html", html_page(report, plots).encode())
     return report
 
 
 def found_table(folder: Path) -> Path:
-    """The only CSV file of a folder with columns for tree and frequency. Raises FieldError."""
+    """The only CSV file of a folder with columns for trees and measurements. Raises FieldError."""
     if not folder.is_dir():
         raise FieldError(f"{folder} is not a folder")
     tables = [path for path in sorted(folder.glob("*.csv")) if is_table(path)]
@@ -142,12 +146,25 @@ def computed(task: Task) -> dict[str, Any]:
 def _modelled(task: Task) -> dict[str, Any]:
     options, row = task.options, task.row
     scan = task.path.suffix.lower() in SCANS
-    tree = tree_of_file(task.path, options_of(row, scan, options.trees), options.cache_dir)
+    chosen = options_of(row, scan, options.trees)
+    mesh = mesh_of_file(task.path, chosen)
+    found: dict[str, Any] = {
+        "wood": chosen.wood_of(mesh.species).name,
+        "model_height_m": mesh.height_m,
+        "model_dbh_cm": dbh_cm_of(mesh),
+        "warnings": list(mesh.report.get("warnings", [])),
+    }
+    if is_bending(row):
+        found |= bending_of(row, mesh, chosen)
+    return found if row.frequency_hz is None else found | _frequencies(mesh, chosen, options)
+
+
+def _frequencies(mesh: TreeMesh, chosen: BuildRequest, options: FieldOptions) -> dict[str, Any]:
+    """Frequencies and damping of a tree's finite elements."""
+    tree = simulated_tree(mesh, chosen, options.cache_dir)
     mode = main_sway_mode(tree.fem)
     found: dict[str, Any] = {
         "wood": tree.fem.report["wood"],
-        "model_height_m": tree.height_m,
-        "model_dbh_cm": tree.dbh_cm,
         "model_mass_kg": float(tree.fem.mass_kg.sum()),
         "model_frequency_hz": mode.frequency_hz,
         "model_lowest_hz": mode.lowest_hz,

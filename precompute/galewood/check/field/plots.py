@@ -7,19 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from galewood.check.field.decay import envelope
+from galewood.check.sway import COLOURS, GREY_COLOUR
 
 if TYPE_CHECKING:
     from galewood.check.field.release import Release
-
-COLOURS = {"leaf": "#1b7f5c", "bare": "#c2571a"}
-GREY_COLOUR = "#8a8a8a"
 
 
 def scatter_figure(report: dict[str, Any]) -> Any:
     """The figure of a report: frequencies by the model and by the trees' sizes, and damping if measured."""
     from matplotlib.figure import Figure
 
-    trees = report["trees"]
+    trees = [tree for tree in report["trees"] if tree["frequency_hz"] is not None]
     damped = [t for t in trees if t["damping_ratio"] and t.get("model_damping_ratio")]
     figure = Figure(figsize=(4.4 * (3 if damped else 2), 4.4), layout="constrained")
     panels = figure.subplots(1, 3 if damped else 2, squeeze=False)[0]
@@ -34,6 +32,24 @@ def scatter_figure(report: dict[str, Any]) -> Any:
     if damped:
         pairs = [(t["damping_ratio"], t["model_damping_ratio"], t) for t in damped]
         _scatter(panels[2], pairs, "measured damping ratio", "damping ratio of the released model")
+    return figure
+
+
+def bending_figure(report: dict[str, Any]) -> Any:
+    """Strains and critical winds by the model against the measured ones, a panel for each."""
+    from matplotlib.figure import Figure
+
+    names = list(report["bending"])
+    figure = Figure(figsize=(4.4 * len(names), 4.4), layout="constrained")
+    for panel, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
+        pairs = [
+            (tree["bending"][name], modelled, tree)
+            for tree in report["trees"]
+            if name in tree.get("bending", {}) and (modelled := tree["model_bending"].get(name)) is not None
+        ]
+        title = name.removeprefix("strain_")
+        what = "gust that breaks the stem, m/s" if title == name else f"strain at 1.3 m in {title} m/s"
+        _scatter(panel, pairs, f"measured {what}", f"{what} by the model")
     return figure
 
 

@@ -26,19 +26,29 @@ class SimulatedTree:
     warnings: list[str]
 
 
+def mesh_of_file(path: Path, options: BuildRequest) -> TreeMesh:
+    """The tree of a mesh or scan. Raises MeshError."""
+    return import_mesh_sandboxed(mesh_with_companions(path), path.name, options)[0]
+
+
 def tree_of_file(path: Path, options: BuildRequest, cache_dir: Path = Path("data/cache")) -> SimulatedTree:
     """The model of a mesh or scan. A bare tree is the same tree without its leaves. Raises MeshError."""
-    mesh, _ = import_mesh_sandboxed(mesh_with_companions(path), path.name, options)
+    return simulated_tree(mesh_of_file(path, options), options, cache_dir)
+
+
+def simulated_tree(mesh: TreeMesh, options: BuildRequest, cache_dir: Path) -> SimulatedTree:
+    """The model of a tree that was read. Raises MeshError."""
     settings = FemSettings(root_stiffness_nm_rad=options.root_stiffness_nm_rad)
     leaves = options.foliage == "leaf"
     made = tree_model(mesh, options.own_wood, options.target_tets, cache_dir, settings, leaves)
     warnings = list(mesh.report.get("warnings", []))
     if "warning" in made.fem.report["rest_pose"]:
         warnings.append(made.fem.report["rest_pose"]["warning"])
-    return SimulatedTree(made.fem, mesh.height_m, _dbh_cm(mesh), warnings)
+    return SimulatedTree(made.fem, mesh.height_m, dbh_cm_of(mesh), warnings)
 
 
-def _dbh_cm(mesh: TreeMesh) -> float | None:
+def dbh_cm_of(mesh: TreeMesh) -> float | None:
+    """Diameter at 1.3 m, cm, as scanned or as the mesh has it; None: the tree is lower."""
     scanned = mesh.report.get("qsm", {}).get("dbh_cm")
     return float(scanned) if scanned else diameter_cm(mesh.wood_vertices_m, mesh.wood_faces, BREAST_HEIGHT_M)
 

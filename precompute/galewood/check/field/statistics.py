@@ -64,18 +64,18 @@ def broadleaf_hz(setting: str, height_m: Floats, dbh_cm: Floats) -> Floats:
     return np.exp(a + b * np.log(height_m) + c * np.log(dbh_cm))
 
 
-def left_out_hz(height_m: Floats, dbh_cm: Floats, measured_hz: Floats) -> Floats | None:
-    """Each tree's frequency by the power law ln f = a + b ln H + c ln DBH fitted to all others.
+def left_out(height_m: Floats, dbh_cm: Floats, measured: Floats) -> Floats | None:
+    """Each tree's value by the power law ln f = a + b ln H + c ln DBH fitted to all others.
 
     None for fewer than five trees, or if their sizes do not determine the law.
     """
-    if len(measured_hz) < 5:
+    if len(measured) < 5:
         return None
     columns = np.column_stack([np.ones(len(height_m)), np.log(height_m), np.log(dbh_cm)])
-    found = np.empty(len(measured_hz))
+    found = np.empty(len(measured))
     for k in range(len(found)):
         others = np.arange(len(found)) != k
-        law, _, rank, _ = np.linalg.lstsq(columns[others], np.log(measured_hz[others]))
+        law, _, rank, _ = np.linalg.lstsq(columns[others], np.log(measured[others]))
         if rank < 3:
             return None
         found[k] = columns[k] @ law

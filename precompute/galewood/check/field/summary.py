@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from galewood.check.field.bending import bending_statistics
 from galewood.check.field.statistics import (
     BROADLEAVES,
     DEFINITIONS,
     agreement,
     broadleaf_hz,
     conifer_hz,
-    left_out_hz,
+    left_out,
 )
 from galewood.util import Floats
 
@@ -30,10 +31,17 @@ Trees = list[dict[str, Any]]
 
 
 def summarised(trees: Trees) -> dict[str, Any]:
-    """Statistics of frequency (by method) and damping, with definitions; predictions go into the trees."""
+    """Statistics of frequency (by method), damping and bending, with definitions.
+
+    Predictions by size go into the trees.
+    """
+    for tree in trees:
+        tree["size"] = size_of(tree)
+    bending = bending_statistics(trees)
+    trees = [tree for tree in trees if tree["frequency_hz"] is not None]
     for tree in trees:
         tree["predicted_hz"] = {"model": tree["model_frequency_hz"], "model_lowest": tree["model_lowest_hz"]}
-    _add_regressions([tree for tree in trees if size_of(tree) is not None])
+    _add_regressions([tree for tree in trees if tree["size"] is not None])
     frequency = {
         method: {
             "name": name,
@@ -44,6 +52,7 @@ def summarised(trees: Trees) -> dict[str, Any]:
     return {
         "frequency": {method: found for method, found in frequency.items() if found["trees"]},
         "damping": _damping(trees),
+        "bending": bending,
         "definitions": DEFINITIONS,
     }
 
@@ -61,7 +70,7 @@ def _add_regressions(trees: Trees) -> None:
     measured = np.array([tree["frequency_hz"] for tree in trees], float)
     found: dict[str, Floats | None] = {"conifers": conifer_hz(height, dbh)}
     found |= {setting: broadleaf_hz(setting, height, dbh) for setting in BROADLEAVES}
-    found["own_power_law"] = left_out_hz(height, dbh, measured)
+    found["own_power_law"] = left_out(height, dbh, measured)
     for method, values in found.items():
         for tree, value in zip(trees, [] if values is None else values, strict=values is not None):
             tree["predicted_hz"][method] = float(value)

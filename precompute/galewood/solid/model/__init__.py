@@ -1,7 +1,7 @@
 """Construction of the finite-element model; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
 
 from galewood.solid.model.added_wood import in_added_wood
-from galewood.solid.model.beam_tree import BeamModel, beam_model
+from galewood.solid.model.beam_tree import BeamModel, beam_model, loaded_beams
 from galewood.solid.model.comparison import gusty_pressure, trajectory_difference
 from galewood.solid.model.construction import GRAVITY_M_S2, build_model, unloaded_model
 from galewood.solid.model.effective_mass import (
@@ -29,6 +29,7 @@ __all__ = [
     "gusty_pressure",
     "horizontal_masses",
     "in_added_wood",
+    "loaded_beams",
     "participation_factors",
     "reference_model",
     "trajectory_difference",

@@ -17,7 +17,7 @@ from galewood.motion.wind import dynamic_pressure
 from galewood.solid.beams import Frame, FrameModes, frame_modes, joined_frame
 from galewood.solid.fem import LEAST_PROFILE, remaining_share
 from galewood.solid.model.construction import GRAVITY_M_S2, STIFFNESS_FLOOR
-from galewood.solid.model.foliage import crown_loads
+from galewood.solid.model.foliage import CrownLoads, crown_loads
 from galewood.solid.skeleton import (
     CLAMPED_SHARE,
     Outline,
@@ -125,7 +125,23 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
     return model
 
 
-def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
+@dataclass(frozen=True)
+class LoadedBeams:
+    """The beams along a tree's branches, and what hangs on their points: mass and wind area.
+
+    ``mass_kg`` (n,) is all mass at the points of the frame. ``nearest`` are the beams nearest to the vertices
+    of each primitive.
+    """
+
+    frame: Frame
+    crown: CrownLoads
+    mass_kg: Floats
+    nearest: list[_NearestBeams]
+    chained: bool
+
+
+def loaded_beams(tree: TreeMesh, wood: Wood, leaves: bool = True) -> LoadedBeams:
+    """The beams of a tree under its leaves and twigs. Raises ValueError if the surface has no branches."""
     chained = is_chained(tree.wood_vertices_m, tree.wood_faces)
     outline = (joined_outline if chained else outline_of)(tree.wood_vertices_m, tree.wood_faces)
     frame = replace(frame_of(outline), stiff_radius_m=_stiff_radius_m(tree.wood_vertices_m))
@@ -140,20 +156,25 @@ def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
 
     wood_mass = frame.volume_m3() * wood.density_kg_m3
     crown = crown_loads(tree, wood, frame.points_m[:, 1], spread, wood_mass, leaves, outline)
-    hung_kg = crown.mass_kg
+    return LoadedBeams(frame, crown, _point_mass(frame, wood) + crown.mass_kg, beams, chained)
+
+
+def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
+    loaded = loaded_beams(tree, wood, leaves)
+    frame, crown = loaded.frame, loaded.crown
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
     free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
-    modes = frame_modes(frame, wood, clamped_m, min(MODE_COUNT, free // 2), hung_kg)
+    modes = frame_modes(frame, wood, clamped_m, min(MODE_COUNT, free // 2), crown.mass_kg)
     if not (np.isfinite(modes.frequencies_hz).all() and (modes.frequencies_hz > 0).all()):
         raise ValueError("the beams along the branches have no usable frequencies")
     arm_m = ARM_SHARE * tree.height_m
     return BeamModel(
         modes.frequencies_hz,
-        load_factors(frame, modes, _point_mass(frame, wood) + hung_kg),
+        load_factors(frame, modes, loaded.mass_kg),
         _at_particles(modes.shapes, arm_m),
-        _on_points(_point_mass(frame, wood) + hung_kg),
+        _on_points(loaded.mass_kg),
         np.einsum("kni,n->ki", modes.shapes[:, :, [0, 2]], crown.drag_area_m2),
-        _embedding(tree, frame, beams, arm_m),
+        _embedding(tree, frame, loaded.nearest, arm_m),
         len(frame.links),
         _on_points(crown.exposed_area_m2),
         np.repeat(crown.drag_area_m2 / np.maximum(crown.exposed_area_m2, 1e-12), 4),
@@ -161,7 +182,7 @@ def _beam_model(tree: TreeMesh, wood: Wood, leaves: bool) -> BeamModel:
         np.repeat(frame.points_m, 4, axis=0),
         crown.streamlined_exponent,
         axis_of_frame(frame, arm_m),
-        chained,
+        loaded.chained,
     )
 
 

@@ -8,6 +8,7 @@ from galewood.solid.skeleton.outline import Outline, outline_of
 from galewood.solid.skeleton.radius_correction import with_corrected_radii
 from galewood.solid.skeleton.roots import CLAMPED_SHARE, root_vertices
 from galewood.solid.skeleton.structure import structure_limited
+from galewood.solid.skeleton.tree import branches as longest_branches
 
 __all__ = [
     "CLAMPED_SHARE",
@@ -17,6 +18,7 @@ __all__ = [
     "extract_skeleton",
     "is_chained",
     "joined_outline",
+    "longest_branches",
     "outline_of",
     "root_vertices",
     "sampled_elements",

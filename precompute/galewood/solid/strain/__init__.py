@@ -1,0 +1,28 @@
+"""Bending strain of a tree in wind; in: an imported tree, wood, wind; out: strain of its sections, and the
+gust speed that breaks it."""
+
+from galewood.solid.strain.critical import (
+    DIRECTIONS_DEG,
+    QUANTILES,
+    CriticalOptions,
+    CriticalWind,
+    critical_wind_of,
+)
+from galewood.solid.strain.sections import CAUTION_TEXT, TreeStrain, strain_in_wind
+from galewood.solid.strain.spread import Sample, samples
+from galewood.solid.strain.tree_rods import WindRods, wind_rods
+
+__all__ = [
+    "CAUTION_TEXT",
+    "DIRECTIONS_DEG",
+    "QUANTILES",
+    "CriticalOptions",
+    "CriticalWind",
+    "Sample",
+    "TreeStrain",
+    "WindRods",
+    "critical_wind_of",
+    "samples",
+    "strain_in_wind",
+    "wind_rods",
+]
