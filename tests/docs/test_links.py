@@ -1,4 +1,4 @@
-"""Links of the pages outside docs/ lead to files; those inside are checked by `make docs`."""
+"""Links of pages outside docs/ lead to files (`make docs` checks those inside); code in pages is tested."""
 
 from __future__ import annotations
 
@@ -28,3 +28,18 @@ def test_every_page_is_in_the_navigation() -> None:
     nav = ROOT.joinpath("mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:")[2]
     pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")}
     assert {page for page in pages if page not in nav} == set()
+
+
+def test_the_pages_with_python_code_are_those_that_are_tested() -> None:
+    pages = [ROOT / "README.md", *ROOT.glob("docs/**/*.md")]
+    found = {str(page.relative_to(ROOT)) for page in pages if "```python" in page.read_text(encoding="utf-8")}
+    assert found == {  # by test_snippets.py but for one
+        "README.md",
+        "docs/tutorial.md",
+        "docs/how-to/export-mujoco.md",  # by tests/precompute/io/test_mjcf.py
+        "docs/how-to/motion-records.md",
+        "docs/how-to/notebook.md",
+        "docs/how-to/sway-envelope.md",  # by tests/precompute/check/test_envelope.py
+        "docs/how-to/wind-measurements.md",
+        "docs/how-to/wind-risk.md",
+    }

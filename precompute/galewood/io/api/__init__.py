@@ -2,13 +2,17 @@
 # pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
+from galewood.io.api.envelopes import sway_envelope
 from galewood.io.api.evaluation import evaluate
 from galewood.io.api.exports import export_tree
 from galewood.io.api.field_reports import field_report
 from galewood.io.api.forests import Forest, Placements, grid
+from galewood.io.api.measured_motion import calibrate
 from galewood.io.api.models import Model, Motion
+from galewood.io.api.stands import stand_risk
 from galewood.io.api.tables import MotionTable, build, load, save
 from galewood.io.api.trees import Tree, read
+from galewood.io.api.wind_risk import critical_wind, strain
 
 __all__ = [
     "Forest",
@@ -18,6 +22,8 @@ __all__ = [
     "Placements",
     "Tree",
     "build",
+    "calibrate",
+    "critical_wind",
     "evaluate",
     "export_tree",
     "field_report",
@@ -25,4 +31,7 @@ __all__ = [
     "load",
     "read",
     "save",
+    "stand_risk",
+    "strain",
+    "sway_envelope",
 ]

@@ -1,4 +1,4 @@
-"""The command line of the precomputation: check, build, field, simulate, export, evaluate, paper and more."""
+"""The command line of the precomputation: check, build, field, strain, export, evaluate and more."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ import typer
 from galewood.io.cli.build_command import register as register_build
 from galewood.io.cli.check_command import register as register_check
 from galewood.io.cli.convert_command import register as register_convert
+from galewood.io.cli.envelope_command import register as register_envelope
 from galewood.io.cli.evaluate_command import register as register_evaluate
 from galewood.io.cli.export_command import register as register_export
 from galewood.io.cli.field_commands import register as register_field
+from galewood.io.cli.motion_command import register as register_motion
 from galewood.io.cli.request_options import validated, with_options_of
+from galewood.io.cli.risk_commands import register as register_risk
 from galewood.io.cli.tools import (
     CacheDir,
     JsonOut,
@@ -38,6 +41,9 @@ register_build(app)
 register_evaluate(app)
 register_export(app)
 register_field(app)
+register_motion(app)
+register_risk(app)
+register_envelope(app)
 register_convert(app)
 
 

@@ -17,6 +17,7 @@ from galewood.io.cli.tools import (
     progress_bar,
     progress_reporter,
     write_figures,
+    write_plot,
 )
 from galewood.options import BuildRequest
 
@@ -43,7 +44,7 @@ def field(
     cache_dir: CacheDir = Path("data/cache"),
     **chosen: Any,
 ) -> None:
-    """Compare a folder of trees with a table of their measured frequencies and damping."""
+    """Compare a folder of trees with a table of measured frequencies, damping, strains or critical winds."""
     from galewood.check.field import FieldError, FieldOptions, run_field
 
     options = FieldOptions(
@@ -67,6 +68,8 @@ def field(
 
 
 def _print_report(report: dict[str, Any], out: Path) -> None:
+    from galewood.solid.strain import CAUTION_TEXT
+
     for row in report["without_file"]:
         print_warning(f"{row['tree']} (line {row['line']}): {row['why']}")
     for tree in report["failed"]:
@@ -77,6 +80,16 @@ def _print_report(report: dict[str, Any], out: Path) -> None:
             f"{found['name']}: {found['trees']} trees, R² {r2}, median ratio {found['median_ratio']:.2f}, "
             f"RMS logarithmic error {found['rms_log_error']:.2f}"
         )
+    for name, rows in report["bending"].items():
+        for found in rows:
+            if found["trees"]:
+                r2 = "–" if found["r2"] is None else f"{found['r2']:.2f}"
+                console.print(
+                    f"{name}, {found['name']}: {found['trees']} trees, R² {r2}, median ratio "
+                    f"{found['median_ratio']:.2f}, RMS logarithmic error {found['rms_log_error']:.2f}"
+                )
+    if report["bending"]:
+        print_warning(CAUTION_TEXT)
     if report["damping"]["trees"]:
         found = report["damping"]
         console.print(f"damping ratio: {found['trees']} trees, median ratio {found['median_ratio']:.2f}")
@@ -111,9 +124,8 @@ def release(
         print_error(str(error))
         raise typer.Exit(1) from None
     if plot is not None:
-        plot.parent.mkdir(parents=True, exist_ok=True)
         title = f"{tree.stem}, {'bare' if options.foliage == 'bare' else 'in leaf'}"
-        decay_figure(result, title).savefig(plot, dpi=110)
+        write_plot(plot, decay_figure(result, title))
     figures = result.figures()
     write_figures(json_out, figures)
     console.print_json(data={name: value for name, value in figures.items() if name != "by_cycle"})

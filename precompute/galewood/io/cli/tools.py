@@ -32,6 +32,16 @@ def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
         path.write_text(json.dumps(figures, indent=2, default=float) + "\n")
 
 
+def write_plot(path: Path, figure: Any) -> None:
+    """Write a figure of matplotlib; exits with a sentence if the name has another ending than a picture."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        figure.savefig(path, dpi=110)
+    except ValueError as error:
+        print_error(f"{path.name} was not written: {error}.")
+        raise typer.Exit(1) from None
+
+
 def print_error(what: str, *details: str) -> None:
     """Print what is wrong in red, and what to do after it; not wrapped, so that commands can be copied."""
     console.print(Text(what, "red"), *details, soft_wrap=True)
@@ -67,6 +77,8 @@ def progress_bar() -> Generator[Progress]:
     )
     with Progress(*columns, console=console) as bar:
         yield bar
+        for task in bar.tasks:
+            bar.update(task.id, completed=task.total)
 
 
 OnProgress = Callable[[float, str], None]

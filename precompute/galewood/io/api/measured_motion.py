@@ -1,0 +1,56 @@
+"""Wood that moves a model like the recorded motion of the real tree."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from galewood.check.sway import Calibration, SwayAnalysis, calibrated
+from galewood.io.api.models import Model
+from galewood.io.api.trees import Tree
+from galewood.options import USUAL_TETS
+from galewood.solid.fem import FemModel, FemSettings
+from galewood.table import Foliage
+from galewood.wood import Wood, wood_of_species
+
+
+def calibrate(
+    tree: Tree,
+    analysis: SwayAnalysis,
+    *,
+    wood: Wood | None = None,
+    foliage: Foliage = "leaf",
+    target_tets: int = USUAL_TETS,
+    settings: FemSettings | None = None,
+    on_progress: Callable[[float], None] | None = None,
+    cache_dir: Path | None = None,
+) -> Calibration:
+    """Fit the modulus and the damping of a tree's wood to a record of its own motion.
+
+    The calibrated ``wood`` can be given to ``build``, ``Model``, ``strain`` and ``critical_wind``.
+
+    Args:
+        tree: The tree (``galewood.read``).
+        analysis: Of its record (``galewood.analyse_motion``). The damping by drag is subtracted if the record
+            has a wind.
+        wood: Where to start; by default the wood of the tree's species.
+        foliage: "bare" for a record of the leafless tree.
+        target_tets: Number of tetrahedra to aim at.
+        settings: Elements, foundation and time step of the model.
+        on_progress: Receives the fraction done; whatever it raises ends the calibration.
+        cache_dir: Folder for meshes; by default the user's cache folder.
+
+    Raises:
+        MeshError: The wood cannot be meshed.
+        ValueError: The record has no resonance.
+    """
+
+    def model_of(one: Wood) -> FemModel:
+        return Model(
+            tree, wood=one, foliage=foliage, target_tets=target_tets, settings=settings, cache_dir=cache_dir
+        ).fem
+
+    start = wood or wood_of_species(tree.species or "default")
+    return calibrated(analysis, start, model_of, on_progress or (lambda share: None))
