@@ -2,12 +2,14 @@
 """Run a command of the Makefile and say how far it is: scripts/step.py NAME COMMAND [ARGUMENT ...]
 
 What the command prints goes to build/log/NAME.log. Every 20 s its last line is shown, and at the end the time
-that it took; all of it is shown only if the command fails. So steps that run side by side can be told apart.
+and the CPU time that it took; all of it is shown only if the command fails. So steps that run side by side can
+be told apart.
 """
 
 from __future__ import annotations
 
 import re
+import resource
 import subprocess
 import sys
 import time
@@ -31,6 +33,12 @@ def say(name: str, begin_s: float, words: str) -> None:
     print(f"{name:<12} {passed_s // 60}:{passed_s % 60:02d}  {words[:SHOWN_LENGTH]}", flush=True)
 
 
+def _cpu_s() -> float:
+    """CPU time of the command and of all that it started and waited for."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def main(name: str, command: list[str]) -> int:
     """Run the command; its exit status, or 1 if a signal ended it."""
     begin_s = time.monotonic()
@@ -47,7 +55,8 @@ def main(name: str, command: list[str]) -> int:
             except subprocess.TimeoutExpired:
                 say(name, begin_s, (lines_of(log) or [""])[-1])
     if status == 0:
-        say(name, begin_s, next((line for line in reversed(lines_of(log)) if "passed" in line), "done"))
+        result = next((line for line in reversed(lines_of(log)) if "passed" in line), "done")
+        say(name, begin_s, f"{result}; {_cpu_s():.0f} s of CPU")
         return 0
     print(log.read_text(encoding="utf-8", errors="replace"), flush=True)
     say(name, begin_s, f"failed: {' '.join(command)}")

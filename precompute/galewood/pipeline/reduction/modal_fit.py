@@ -36,7 +36,7 @@ from galewood.pipeline.reduction.modal_runs import (
     typical_speed,
 )
 from galewood.pipeline.reduction.oscillators import Oscillators, propagators, response
-from galewood.pipeline.reduction.output_error import fitted_force
+from galewood.pipeline.reduction.output_error import FIT_ITERATIONS, fitted_force
 from galewood.pipeline.reduction.pod import Subspace
 from galewood.pipeline.reduction.tensors import modal_tensors, single
 from galewood.solid.fem import FemSettings
@@ -59,11 +59,12 @@ def fit_modal_model(
     settings: FemSettings,
     *,
     coupled: int = 4,
+    iterations: int = FIT_ITERATIONS,
 ) -> ModalTensors:
     """Fit the modal model to the oscillators of a tree (``leading_oscillators``) and its runs.
 
     The output modes are those of ``subspace``, which begins with the shapes of the oscillators. ``coupled``
-    coordinates after the first two (at most all) interact with the sway.
+    coordinates after the first two (at most all) interact with the sway. ``iterations``: of ``fitted_force``.
     """
     modal = [modal_run(run, ritz, mass_kg, subspace, settings.dt_s) for run in runs]
     step = propagators(ritz.omega, np.diag(ritz.damping), settings)
@@ -80,7 +81,9 @@ def fit_modal_model(
     first = modal_tensors(
         ritz, step, drag, sway=sway, force=starts[0][:count], shown=shown, pose=pose, limits=limits
     )
-    force = fitted_force(first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s)
+    force = fitted_force(
+        first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s, iterations=iterations
+    )
     corrected = ritz.place_load + force[count:].T.reshape(ritz.place_load.shape)
     return replace(first, force=single(force[:count]), place_load=single(corrected))
 

@@ -39,7 +39,7 @@ PLACE_PENALTY = 100.0
 
 The loads follow from the field of the gusts; two dozen runs say less about them than about the force.
 """
-MAX_ITERATIONS = 100
+FIT_ITERATIONS = 100
 FIRST_STEP = 1 / 30
 """Length of the first step of the minimiser in its own variables; a longer one can make the model diverge."""
 LBFGS_CORRECTIONS = 30
@@ -54,6 +54,8 @@ def fitted_force(
     weights: Floats,
     shapes: Floats,
     dt_s: float,
+    *,
+    iterations: int = FIT_ITERATIONS,
 ) -> Floats:
     """(F + 2G, d) force with which the model, stepped from rest, follows the runs best.
 
@@ -61,7 +63,7 @@ def fitted_force(
     returns another of them if it follows the runs better than the result; the force of ``model`` is not used.
     ``tables`` are the force terms and the gusts at the places (T, F + 2G) along the runs,
     ``weights`` (R,) those of the runs' errors, and ``shapes`` (d, 3n) the displacements of the oscillators:
-    the error is measured at the vertices. A start that diverges is left out; if all do, the force is zero.
+    the error is measured at the vertices. The minimiser takes ``iterations`` steps at most. A start that diverges is left out; if all do, the force is zero.
     """
     import scipy.optimize  # slow to load
 
@@ -83,7 +85,7 @@ def fitted_force(
         own, by_force = cost(scaling.force(variables))
         return own / first_cost, scaling.by_variables(by_force) / first_cost
 
-    options = {"maxiter": MAX_ITERATIONS, "maxcor": LBFGS_CORRECTIONS}
+    options = {"maxiter": iterations, "maxcor": LBFGS_CORRECTIONS}
     found = scipy.optimize.minimize(
         scaled_cost, scaling.variables(start), jac=True, method="L-BFGS-B", options=options
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from galewood.motion.modal import ModalTensors
 from galewood.pipeline.reduction.modal_fit import fit_modal_model
 from galewood.pipeline.reduction.oscillators import Oscillators, leading_oscillators
+from galewood.pipeline.reduction.output_error import FIT_ITERATIONS
 from galewood.pipeline.reduction.pod import Subspace, fit_subspace, thinned
 from galewood.pipeline.reduction.training_error import training_error_m
 from galewood.pipeline.sampling import SampledRun
@@ -48,6 +49,8 @@ class ModalTraining:
     scheme: FemSettings
     runs: Sequence[SampledRun]
     size: Size = STANDARD_SIZE
+    fit_iterations: int = FIT_ITERATIONS
+    """Steps of the fit that follows the linear one (``reduction.output_error``)."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ def fitted(training: ModalTraining, mass_kg: Floats) -> Fitted:
     """Fit a modal model to the training runs, which also determine the output modes."""
     own, subspace = output_modes(training, mass_kg)
     modal = fit_modal_model(
-        own, mass_kg, training.runs, subspace, training.scheme, coupled=training.size.coupled
-    )
+        own, mass_kg, training.runs, subspace, training.scheme,
+        coupled=training.size.coupled, iterations=training.fit_iterations,
+    )  # fmt: skip
     return Fitted(modal, subspace, training_error_m(modal, subspace, training.runs, training.scheme.dt_s))
