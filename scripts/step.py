@@ -2,8 +2,8 @@
 """Run a command of the Makefile and say how far it is: scripts/step.py NAME COMMAND [ARGUMENT ...]
 
 What the command prints goes to build/log/NAME.log. Every 20 s its last line is shown, and at the end the time
-and the CPU time that it took; all of it is shown only if the command fails. So steps that run side by side can
-be told apart.
+and the CPU time that it took; all of it is shown only if the command fails. So steps that run side by side
+can be told apart.
 """
 
 from __future__ import annotations

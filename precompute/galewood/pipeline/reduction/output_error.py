@@ -63,7 +63,8 @@ def fitted_force(
     returns another of them if it follows the runs better than the result; the force of ``model`` is not used.
     ``tables`` are the force terms and the gusts at the places (T, F + 2G) along the runs,
     ``weights`` (R,) those of the runs' errors, and ``shapes`` (d, 3n) the displacements of the oscillators:
-    the error is measured at the vertices. The minimiser takes ``iterations`` steps at most. A start that diverges is left out; if all do, the force is zero.
+    the error is measured at the vertices. The minimiser takes ``iterations`` steps at most. A start that
+    diverges is left out; if all do, the force is zero.
     """
     import scipy.optimize  # slow to load
 
