@@ -24,7 +24,8 @@ def step(tmp_path: Path, program: str) -> subprocess.CompletedProcess[str]:
 def test_a_step_that_passes_shows_its_summary_alone(tmp_path: Path) -> None:
     run = step(tmp_path, "print('\\x1b[32m.... [100%]\\x1b[0m'); print('2 passed in 0.10s\\n')")
     assert run.returncode == 0
-    assert re.sub(r"^name +\d+:\d\d +", "", run.stdout.splitlines()[-1]) == "2 passed in 0.10s"
+    last = run.stdout.splitlines()[-1]
+    assert re.fullmatch(r"name +\d+:\d\d +2 passed in 0\.10s; \d+ s of CPU", last), last
     assert "[100%]" in (tmp_path / "build" / "log" / "name.log").read_text()
 
 
