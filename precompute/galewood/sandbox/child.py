@@ -47,6 +47,7 @@ def run_confined(function: Callable[[Arrays], Arrays], readable: Sequence[str]) 
     ``readable`` lists folders that it may also read.
     """
     try:
+        _write_no_kernels()
         os.environ["TMPDIR"] = tempfile.tempdir = str(Path.cwd())
         confine(Path.cwd(), readable=readable)
         with np.load("in.npz", allow_pickle=False) as data:
@@ -59,6 +60,16 @@ def run_confined(function: Callable[[Arrays], Arrays], readable: Sequence[str]) 
         Path("error.json").write_text(json.dumps(problem))
         return REFUSED_EXIT_CODE
     return 0
+
+
+def _write_no_kernels() -> None:
+    """Let numba keep kernels that it compiles here in memory: a confined process cannot write its cache."""
+    caching = sys.modules.get("numba.core.caching")
+    if caching:
+        caching.Cache.save_overload = _discard
+
+
+def _discard(*_: object) -> None: ...
 
 
 def limit_resources(memory_bytes: int, cpu_s: int) -> None:

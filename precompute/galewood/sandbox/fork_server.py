@@ -46,7 +46,6 @@ def _serve(function: Callable[[Arrays], Arrays], request: dict[str, Any]) -> NoR
         folder = Path(request["folder"])
         _detach(folder)
         limit_resources(request["memory_bytes"], request["cpu_s"])
-        _write_no_kernels()
         kernels = os.environ.get("NUMBA_CACHE_DIR")
         code = run_confined(function, [kernels] if kernels else [])
     except BaseException:
@@ -66,16 +65,6 @@ def _detach(folder: Path) -> None:
         os.dup2(source, descriptor)
     os.close(nothing)
     os.close(errors)
-
-
-def _write_no_kernels() -> None:
-    """Let numba keep kernels that it compiles here in memory: a confined process cannot write its cache."""
-    caching = sys.modules.get("numba.core.caching")
-    if caching:
-        caching.Cache.save_overload = _discard
-
-
-def _discard(*_: object) -> None: ...
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ has no network access (on platforms where confinement.py supports this).
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -29,7 +30,9 @@ from galewood.sandbox.results import (
     remove_folder,
     written_bytes,
 )
-from galewood.util import GuardedProcess, MeshError
+from galewood.util import GuardedProcess, MeshError, shown_text
+
+log = logging.getLogger("galewood.import")
 
 KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTUAL_ENV", "SYSTEMROOT")
 THREAD_COUNT_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -41,6 +44,8 @@ FOLDER_CHECK_S = 1.0
 STDERR_FILE = "stderr"
 STDERR_BYTES = 4000
 """How much of the end of the child's standard error is searched for the cause of its end."""
+LOGGED_CHARACTERS = 1000
+"""How much of that end is logged."""
 WALL_S_PER_CPU_S = 10.0  # a child gets at least a tenth of a processor on any machine that is of use
 
 
@@ -86,6 +91,12 @@ def in_folder(run: Callable[[Path], Ended], arguments: Arrays, limits: Limits, w
             return read_arrays(folder / "out.npz", limits.folder_bytes)
         if code == REFUSED_EXIT_CODE:
             raise read_error(folder / "error.json")
+        log.warning(
+            "%s ended with exit code %d: %s",
+            what,
+            code,
+            shown_text(stderr[-LOGGED_CHARACTERS:], LOGGED_CHARACTERS),
+        )
         raise _failure(code, stderr, limits, what)
     except UntrustworthyError as error:
         raise _crashed(what, f"gave no valid result ({error})") from error

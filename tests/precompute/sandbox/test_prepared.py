@@ -7,10 +7,11 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numba
 import numpy as np
 import psutil
 import pytest
-from galewood.sandbox import Arrays, Limits, PreparedFunction, unavailable_restrictions
+from galewood.sandbox import Arrays, Limits, PreparedFunction, run_limited, unavailable_restrictions
 from galewood.util import MeshError
 
 HERE = "tests.precompute.sandbox.test_prepared"
@@ -39,6 +40,16 @@ def act(arguments: Arrays) -> Arrays:
         raise ValueError("it has failed all the same")
     loads.append(0)  # seen by no other fork
     return {"loads": np.array(loads), "pid": np.array([os.getpid(), os.getppid()])}
+
+
+@numba.njit(cache=True)
+def doubled(value: float) -> float:
+    """A kernel that no cache holds: a confined process may not write there."""
+    return 2.0 * value
+
+
+def compile_kernel(arguments: Arrays) -> Arrays:
+    return {"four": np.array([doubled(2.0)])}
 
 
 def ask(function: PreparedFunction, what: str, limits: Limits | None = None) -> Arrays:
@@ -90,3 +101,23 @@ def test_without_the_process_a_call_has_a_child_of_its_own(function: PreparedFun
     assert ask(function, "")["loads"].tolist() == [0], "it was not warmed up"
     function.prepare()
     assert len(ask(function, "")["loads"]) == 2
+
+
+@pytest.mark.parametrize("shared_cache", [False, True])
+def test_a_kernel_that_is_in_no_cache_is_compiled(
+    shared_cache: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    if shared_cache:
+        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    else:
+        monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    assert run_limited(f"{HERE}:{compile_kernel.__name__}", {}, Limits(), what="The test")["four"] == 4.0
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_a_crashed_call_printed_is_logged(caplog: pytest.LogCaptureFixture) -> None:
+    with pytest.raises(MeshError, match="exit code 1"):
+        run_limited(
+            f"{HERE}:{act.__name__}", {"what": np.frombuffer(b"answer", np.uint8)}, Limits(), what="It"
+        )
+    assert "it has failed all the same" in caplog.text
