@@ -109,7 +109,8 @@ check: $(VENV)/.dev node_modules/.stamp docs ## linters, formatters and type che
 	$(STEP) constants $(BIN)/python -m scripts.check_constants
 	$(STEP) structure $(BIN)/python -m scripts.structure
 	$(STEP) vulture $(BIN)/vulture
-	$(STEP) pyright node_modules/.bin/pyright
+	@# a larger young generation: an eighth less CPU time
+	$(STEP) pyright env NODE_OPTIONS=--max-semi-space-size=128 node_modules/.bin/pyright
 	$(STEP) biome npm run --silent lint
 	$(STEP) knip npm run --silent unused
 	$(STEP) tsc npm run --silent typecheck
