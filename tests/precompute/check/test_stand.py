@@ -197,8 +197,10 @@ def test_reports_are_written(tmp_path: Path, forms: dict[str, TreeForm]) -> None
     found = stand_report(read_inventory(text), forms, StandOptions(sample_count=5))
     for ending in ("csv", "html", "json"):
         write_report(found, tmp_path / f"report.{ending}")
-    with pytest.raises(ValueError, match=r"\.csv, \.html, \.json"):
+    with pytest.raises(ValueError, match=r"\.csv, \.html, \.geojson, \.json"):
         write_report(found, tmp_path / "report.pdf")
+    with pytest.raises(ValueError, match="no longitudes"):
+        write_report(found, tmp_path / "report.geojson")
     lines = [line for line in (tmp_path / "report.csv").read_text().splitlines() if not line.startswith("#")]
     rows: list[dict[str, Any]] = list(csv.DictReader(lines))
     assert len(rows) == 40 and {row["dbh_assumed"] for row in rows} == {"yes", "no"}
@@ -206,6 +208,7 @@ def test_reports_are_written(tmp_path: Path, forms: dict[str, TreeForm]) -> None
     assert page.count("<circle") == 40 and "no substitute for an inspection" in page
     assert "Average wood for &lt;b&gt;" not in page
     assert '<b>"' not in page and "diameters are missing" in page
+    assert page.count(" *</td>") == sum(stem.dbh_assumed for stem in found.stems) > 0
     document = json.loads((tmp_path / "report.json").read_text())
     assert len(document["stems"]) == 40 and "substitute" in document["caution"]
 
@@ -219,4 +222,17 @@ def test_the_command(tmp_path: Path) -> None:
     assert found.exit_code == 0, found.output
     assert "breaks at" in found.output and "no substitute" in found.output and out.stat().st_size > 3000
     wrong = CliRunner().invoke(app, ["stand", str(inventory), "--out", str(tmp_path / "out.txt")])
-    assert wrong.exit_code == 1 and ".csv, .html, .json" in wrong.output
+    assert wrong.exit_code == 1 and ".csv, .html, .geojson, .json" in wrong.output
+
+
+def test_a_map_has_the_places_of_the_inventory(tmp_path: Path, forms: dict[str, TreeForm]) -> None:
+    rows = ["lon,lat,species,height_m,dbh_cm", "8.123456,50.654321,Esche,18,24", "8.1235,50.6543,Esche,,24"]
+    rows += ["8.1236,50.6544,Esche,20,25"]
+    found = stand_report(read_inventory("\n".join(rows).encode()), forms, StandOptions(sample_count=3))
+    write_report(found, tmp_path / "map.geojson")
+    document = json.loads((tmp_path / "map.geojson").read_text())
+    assert document["type"] == "FeatureCollection" and "substitute" in document["caution"]
+    stems = {one["properties"]["line"]: one for one in document["features"]}
+    places = {line: one["geometry"]["coordinates"] for line, one in stems.items()}
+    assert places == {2: [8.123456, 50.654321], 3: [8.1235, 50.6543], 4: [8.1236, 50.6544]}
+    assert [stems[line]["properties"]["height_estimated"] for line in (2, 3, 4)] == [False, True, False]

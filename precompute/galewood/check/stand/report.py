@@ -10,7 +10,7 @@ import numpy as np
 
 from galewood.check.stand.forms import ScaledTree, TreeForm
 from galewood.check.stand.shelter import edge_distances_m, shelter_factor
-from galewood.measurements import Inventory, Stem, wood_species_of
+from galewood.measurements import Inventory, Stem, StemSource, wood_species_of
 from galewood.solid.strain import CAUTION_TEXT, DIRECTIONS_DEG, QUANTILES, Sample, samples
 from galewood.util import Floats
 from galewood.wood import wood_of_species
@@ -72,7 +72,12 @@ class StemRisk:
     wood: str
     east_m: float
     north_m: float
+    lon_deg: float | None
+    """Place as in the inventory; None: it has metres."""
+    lat_deg: float | None
     height_m: float
+    height_estimated: bool
+    """By a curve, from the diameter."""
     dbh_cm: float
     dbh_assumed: bool
     frequency_hz: float
@@ -128,6 +133,7 @@ def stand_report(
     found = [
         _risk(
             stem,
+            inventory.sources[k],
             forms[form_name(stem)],
             float(edge[k]),
             float(share[k]),
@@ -182,6 +188,7 @@ def _exposed(
 
 def _risk(
     stem: Stem,
+    source: StemSource,
     form: TreeForm,
     edge_m: float,
     share: float,
@@ -190,6 +197,7 @@ def _risk(
     possible: list[Sample],
 ) -> StemRisk:
     assumed = stem.dbh_cm is None
+    lon_deg, lat_deg = source.lon_lat_deg or (None, None)
     dbh_m = form.dbh_m * stem.height_m / form.height_m if stem.dbh_cm is None else stem.dbh_cm / 100
     tree = form.scaled(stem.height_m, dbh_m, wood_of_species(wood_species_of(stem.species)))
     knots = options.knot_factor
@@ -212,7 +220,10 @@ def _risk(
         wood=tree.wood.name,
         east_m=stem.east_m,
         north_m=stem.north_m,
+        lon_deg=lon_deg,
+        lat_deg=lat_deg,
         height_m=stem.height_m,
+        height_estimated=not source.height_measured,
         dbh_cm=100 * dbh_m,
         dbh_assumed=assumed,
         frequency_hz=tree.frequency_hz,

@@ -1,4 +1,4 @@
-"""Writes the report of a stand: as a table (CSV), a page to print with a map (HTML), or JSON."""
+"""Writes the report of a stand: as a table (CSV), a page to print with a map (HTML), GeoJSON or JSON."""
 
 from __future__ import annotations
 
@@ -36,11 +36,14 @@ COLUMNS = (
     ("breaks at, m/s", "critical_m_s"), ("10 %", "critical_low_m_s"), ("90 %", "critical_high_m_s"),
 )  # fmt: skip
 TEXT_COLUMNS = ("species", "tree")
+ESTIMATED_BY_COLUMN = {"height_m": "height_estimated", "dbh_cm": "dbh_assumed"}
+"""Columns whose figures may not be measured, and what says so."""
+ESTIMATED_TEXT = "* not measured: height from the diameter, or diameter from the built-in tree's proportions"
 
 
 def write_report(report: StandReport, path: Path) -> None:
-    """Write a report as CSV, HTML or JSON, by the ending of its name. ValueError for another ending."""
-    writers = {".csv": table_text, ".html": page_text, ".json": json_text}
+    """Write a report as CSV, HTML, GeoJSON or JSON, by the ending of its name. ValueError for another one."""
+    writers = {".csv": table_text, ".html": page_text, ".geojson": geojson_text, ".json": json_text}
     if path.suffix.lower() not in writers:
         raise ValueError(f"{path.name}: the report ends in {', '.join(writers)}")
     write_atomically(path, writers[path.suffix.lower()](report).encode())
@@ -64,7 +67,24 @@ def _cell(value: object) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.5g}" if np.isfinite(value) else ""
-    return str(value)
+    return "" if value is None else str(value)
+
+
+def geojson_text(report: StandReport) -> str:
+    """Stems as points for a map (RFC 7946), with what the table has; null: not up to 100 m/s.
+
+    ValueError if the inventory has no longitudes and latitudes, which GeoJSON needs.
+    """
+    features: list[dict[str, object]] = []
+    document, colours = report.document(), _colours()
+    for stem, properties in zip(report.stems, document.pop("stems"), strict=True):
+        place = [properties.pop("lon_deg"), properties.pop("lat_deg")]
+        if None in place:
+            raise ValueError("the inventory has no longitudes and latitudes for GeoJSON: write .csv or .html")
+        properties["marker-color"] = colours[_step_of(stem, len(report.stems))]
+        geometry = {"type": "Point", "coordinates": place}
+        features.append({"type": "Feature", "geometry": geometry, "properties": properties})
+    return json.dumps({"type": "FeatureCollection", "features": features, **document}, indent=1) + "\n"
 
 
 def json_text(report: StandReport) -> str:
@@ -151,12 +171,15 @@ def _legend(stems: tuple[StemRisk, ...]) -> str:
 
 def _table(stems: Iterable[StemRisk]) -> str:
     head = "".join(f"<th{_kind(name)}>{escape(title)}</th>" for title, name in COLUMNS)
-    rows = ["".join(_table_cell(name, getattr(stem, name)) for _, name in COLUMNS) for stem in stems]
-    return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+    rows = ["".join(_table_cell(stem, name) for _, name in COLUMNS) for stem in stems]
+    table = f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+    return f"{table}<p>{ESTIMATED_TEXT}</p>"
 
 
-def _table_cell(name: str, value: object) -> str:
-    return f"<td{_kind(name)}>{escape(_shown(name, value))}</td>"
+def _table_cell(stem: StemRisk, name: str) -> str:
+    flag = ESTIMATED_BY_COLUMN.get(name)
+    mark = " *" if flag and getattr(stem, flag) else ""
+    return f"<td{_kind(name)}>{escape(_shown(name, getattr(stem, name)))}{mark}</td>"
 
 
 def _kind(name: str) -> str:

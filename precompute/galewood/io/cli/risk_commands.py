@@ -150,7 +150,7 @@ def critical_wind(
 def stand(
     inventory: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="CSV or GeoJSON of stems.")],
     out: Annotated[
-        Path, typer.Option(dir_okay=False, help="Report to write: .csv, .html (to print) or .json.")
+        Path, typer.Option(dir_okay=False, help="Report to write: .csv, .html (to print), .geojson or .json.")
     ] = Path("stand-report.html"),
     speed: Annotated[
         float, typer.Option(min=0.1, max=100.0, help="Gust in which sway and strain are reported, m/s.")

@@ -4,7 +4,7 @@ from galewood.measurements.inventory.columns import is_inventory, recognised_col
 from galewood.measurements.inventory.errors import InventoryError
 from galewood.measurements.inventory.geojson import is_projected
 from galewood.measurements.inventory.projection import local_m
-from galewood.measurements.inventory.reading import Inventory, Stem, read_inventory
+from galewood.measurements.inventory.reading import Inventory, Stem, StemSource, read_inventory
 from galewood.measurements.inventory.report import InventoryReport
 from galewood.measurements.inventory.species import match_species, wood_species_of
 
@@ -13,6 +13,7 @@ __all__ = [
     "InventoryError",
     "InventoryReport",
     "Stem",
+    "StemSource",
     "is_inventory",
     "is_projected",
     "local_m",

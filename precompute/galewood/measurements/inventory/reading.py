@@ -57,11 +57,22 @@ class Stem:
 
 
 @dataclass(frozen=True)
+class StemSource:
+    """What the file says of a stem beside what is shown of it."""
+
+    lon_lat_deg: tuple[float, float] | None
+    """Its longitude and latitude; None: the file has metres."""
+    height_measured: bool
+
+
+@dataclass(frozen=True)
 class Inventory:
     """The trees of an inventory, and how its file was interpreted."""
 
     stems: tuple[Stem, ...]
     report: InventoryReport
+    sources: tuple[StemSource, ...]
+    """Of the stems, in their order; not part of the document."""
 
     def document(self) -> dict[str, object]:
         """The inventory document, which page and player read (spec/formats/inventory.md)."""
@@ -79,6 +90,7 @@ class _Raw:
     species: str
     height_m: float
     dbh_m: float
+    lon_lat_deg: tuple[float, float] | None
 
 
 def read_inventory(file: Path | str | bytes, *, columns: Mapping[str, str] | None = None) -> Inventory:
@@ -159,7 +171,8 @@ def _raw(columns: Columns, units: dict[str, str], row: Row) -> _Raw:
     if not math.isnan(dbh_m) and not 0.0 < dbh_m <= THICKEST_M:
         raise ValueError(f"a diameter of {dbh_m:.2f} m is not between 0 and {THICKEST_M:g} m")
     species, genus = columns.cell(row, "species"), columns.cell(row, "genus")
-    return _Raw(row.line, x, y, f"{genus} {species}".strip(), height_m, dbh_m)
+    lon_lat_deg = (x, y) if columns.geographic else None
+    return _Raw(row.line, x, y, f"{genus} {species}".strip(), height_m, dbh_m, lon_lat_deg)
 
 
 def _place(columns: Columns, units: dict[str, str], row: Row) -> tuple[float, float]:
@@ -214,11 +227,7 @@ def _placed(raws: list[_Raw], geographic: bool) -> tuple[list[_Raw], list[Skippe
         raise InventoryError(f"all stems are more than {FARTHEST_M:.0f} m from their centre")
     xs, ys = [offsets[k][0] for k in kept], [offsets[k][1] for k in kept]
     x0, y0 = 0.5 * (min(xs) + max(xs)), 0.5 * (min(ys) + max(ys))
-    placed = [
-        _Raw(raw.line, offsets[k][0] - x0, offsets[k][1] - y0, raw.species, raw.height_m, raw.dbh_m)
-        for k in kept
-        for raw in [raws[k]]
-    ]
+    placed = [replace(raws[k], x=offsets[k][0] - x0, y=offsets[k][1] - y0) for k in kept]
     return placed, skipped
 
 
@@ -280,4 +289,5 @@ def _reported(
     )
     formless = sum(map(_is_formless, placed))
     notes = notes_of(report, columns, units, formless, counted)
-    return Inventory(stems, replace(report, figures=figures_of(report), notes=notes))
+    sources = tuple(StemSource(raw.lon_lat_deg, not math.isnan(raw.height_m)) for raw in placed)
+    return Inventory(stems, replace(report, figures=figures_of(report), notes=notes), sources)
