@@ -21,6 +21,11 @@ FRAME_COUNT = 180
 RING_M = 0.005
 """Amplitude of the ring-down: small, because the weight on bent limbs makes larger ones nonlinear."""
 MODE_COUNT = 10
+MOST_WRONG_BRANCHES = 0.05
+"""Share of branches missed or spurious. Where limbs touch, a mesh may join them, and a tip more is found.
+
+Whether it does depends on rounding, which differs between processors; one of twenty is allowed.
+"""
 ON_MESHES = "apricot"
 """The tree that is checked on several meshes."""
 REGRESSIONS: dict[Form, tuple[float, float, float, float]] = {
@@ -106,7 +111,7 @@ def against_generator(one: Specimen) -> Iterator[Check]:
     note = f"{match.found} of {match.true} found, {extra} spurious"
     note += f"; limbs touch {one.skeleton.report['meetings']} times"
     wrong = (match.true - match.found + extra) / match.true
-    yield absolute(f"{one.name}: branches missed or spurious", wrong, 0.035, note)
+    yield absolute(f"{one.name}: branches missed or spurious", wrong, MOST_WRONG_BRANCHES, note)
 
 
 def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:
