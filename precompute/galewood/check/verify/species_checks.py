@@ -24,7 +24,7 @@ MODE_COUNT = 10
 MOST_WRONG_BRANCHES = 0.05
 """Share of branches missed or spurious. Where limbs touch, a mesh may join them, and a tip more is found.
 
-Whether it does depends on rounding, which differs between processors; one of twenty is allowed.
+Two runs of the mesher never give the same tetrahedra; one branch of twenty is allowed.
 """
 ON_MESHES = "apricot"
 """The tree that is checked on several meshes."""
