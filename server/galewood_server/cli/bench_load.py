@@ -5,7 +5,6 @@ The server and the clients run in separate processes pinned to different cores. 
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import socket
@@ -22,6 +21,7 @@ from typing import Any, cast
 import httpx
 import psutil
 from galewood.motion.wind import Wind
+from galewood.packaged import species_folder
 
 from galewood_server.cli.load import Load
 from galewood_server.storage import FileStore
@@ -208,10 +208,7 @@ def _last_line(child: subprocess.Popen[str]) -> dict[str, Any]:
     return cast(dict[str, Any], json.loads(child.stdout.readline()))
 
 
-def table_files(folder: Path) -> list[Path]:
-    """The smallest tables of a data folder, at most three. FileNotFoundError if there are none."""
-    found = sorted((folder / "tables").glob("??/*"), key=lambda path: path.stat().st_size)
-    whole = [path for path in found if hashlib.sha256(path.read_bytes()).hexdigest() == path.name]
-    if not whole:
-        raise FileNotFoundError(f"no tables in {folder}: give --table, or run `galewood serve` first")
-    return whole[:3]
+def shipped_tables() -> list[Path]:
+    """The tables in leaf of the built-in trees."""
+    tables = sorted((species_folder() / "shipped").glob("*.table"))
+    return [path for path in tables if not path.name.endswith(".bare.table")]

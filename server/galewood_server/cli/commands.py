@@ -70,15 +70,17 @@ def forest(
 @app.command("bench-serve")
 @with_options_of(Load)
 def bench_serve(
-    table: Annotated[list[Path] | None, typer.Option(exists=True, help="Table files of the trees.")] = None,
-    data_dir: Annotated[Path, typer.Option(help="Data folder to search for tables.")] = Path("data"),
+    table: Annotated[
+        list[Path] | None,
+        typer.Option(exists=True, help="Table files; by default the built-in trees."),
+    ] = None,
     json_out: JsonOut = None,
     **chosen: Any,
 ) -> None:
     """Benchmark one server process on one core: frame rate, frame age and memory."""
     with needs_extras():
-        from galewood_server.cli.bench_load import run_load, table_files
+        from galewood_server.cli.bench_load import run_load, shipped_tables
 
-    figures = run_load(table or table_files(data_dir), validated(Load, chosen))
+    figures = run_load(table or shipped_tables(), validated(Load, chosen))
     write_figures(json_out, figures)
     console.print_json(data=figures)
