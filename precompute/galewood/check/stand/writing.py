@@ -36,8 +36,6 @@ COLUMNS = (
     ("breaks at, m/s", "critical_m_s"), ("10 %", "critical_low_m_s"), ("90 %", "critical_high_m_s"),
 )  # fmt: skip
 TEXT_COLUMNS = ("species", "tree")
-ESTIMATED_BY_COLUMN = {"height_m": "height_estimated", "dbh_cm": "dbh_assumed"}
-"""Columns whose figures may not be measured, and what says so."""
 ESTIMATED_TEXT = "* not measured: height from the diameter, or diameter from the built-in tree's proportions"
 
 
@@ -177,8 +175,8 @@ def _table(stems: Iterable[StemRisk]) -> str:
 
 
 def _table_cell(stem: StemRisk, name: str) -> str:
-    flag = ESTIMATED_BY_COLUMN.get(name)
-    mark = " *" if flag and getattr(stem, flag) else ""
+    not_measured = {"height_m": stem.height_estimated, "dbh_cm": stem.dbh_assumed}
+    mark = " *" if not_measured.get(name) else ""
     return f"<td{_kind(name)}>{escape(_shown(name, getattr(stem, name)))}{mark}</td>"
 
 
