@@ -21,7 +21,6 @@ from typing import Any, cast
 import httpx
 import psutil
 from galewood.motion.wind import Wind
-from galewood.packaged import species_folder
 
 from galewood_server.cli.load import Load
 from galewood_server.storage import FileStore
@@ -206,9 +205,3 @@ def _expect(child: subprocess.Popen[str], word: str) -> None:
 def _last_line(child: subprocess.Popen[str]) -> dict[str, Any]:
     assert child.stdout
     return cast(dict[str, Any], json.loads(child.stdout.readline()))
-
-
-def shipped_tables() -> list[Path]:
-    """The tables in leaf of the built-in trees."""
-    tables = sorted((species_folder() / "shipped").glob("*.table"))
-    return [path for path in tables if not path.name.endswith(".bare.table")]

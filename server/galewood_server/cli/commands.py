@@ -79,8 +79,12 @@ def bench_serve(
 ) -> None:
     """Benchmark one server process on one core: frame rate, frame age and memory."""
     with needs_extras():
-        from galewood_server.cli.bench_load import run_load, shipped_tables
+        from galewood.packaged import species_folder
+        from galewood.pipeline.results import shipped_tables
 
-    figures = run_load(table or shipped_tables(), validated(Load, chosen))
+        from galewood_server.cli.bench_load import run_load
+
+    builtin = shipped_tables(species_folder())
+    figures = run_load(table or list(builtin.values()), validated(Load, chosen))
     write_figures(json_out, figures)
     console.print_json(data=figures)

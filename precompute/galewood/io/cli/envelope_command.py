@@ -10,7 +10,7 @@ import typer
 from galewood.io.cli.tools import (
     JsonOut,
     console,
-    print_error,
+    plain_errors,
     progress_bar,
     progress_reporter,
     write_figures,
@@ -50,7 +50,7 @@ def envelope(
     from galewood.check.envelope import clearances, envelope_figure, read_lines
     from galewood.io.api import load, sway_envelope
 
-    try:
+    with plain_errors():
         found_lines = read_lines(lines, _place(at)) if lines else []
         with progress_bar() as bar:
             report = progress_reporter(bar)
@@ -58,9 +58,6 @@ def envelope(
                 load(table), wind_m_s=speed, direction_deg=direction, winds=winds, sample_count=samples,
                 on_progress=lambda share: report(share, "Gusts"),
             )  # fmt: skip
-    except ValueError as error:
-        print_error(f"{error}.")
-        raise typer.Exit(1) from None
     _print_envelope(found)
     clear = clearances(found, found_lines)
     for one in clear:

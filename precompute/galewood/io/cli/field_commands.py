@@ -12,6 +12,7 @@ from galewood.io.cli.tools import (
     CacheDir,
     JsonOut,
     console,
+    plain_errors,
     print_error,
     print_warning,
     progress_bar,
@@ -109,20 +110,15 @@ def release(
 ) -> None:
     """Pull a tree at two thirds of its height, release it, and report its frequency and damping."""
     from galewood.check.field import decay_figure, pull_and_release, tree_of_file
-    from galewood.util import MeshError
 
     options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)})
-    try:
-        with progress_bar() as bar:
-            report = progress_reporter(bar)
-            report(0.0, "Building the model")
-            found = tree_of_file(tree, options, cache_dir)
-            result = pull_and_release(
-                found.fem, sway=sway, cycles=cycles, on_progress=lambda share: report(share, "Free decay")
-            )
-    except (MeshError, ArithmeticError, ValueError) as error:
-        print_error(str(error))
-        raise typer.Exit(1) from None
+    with plain_errors(), progress_bar() as bar:
+        report = progress_reporter(bar)
+        report(0.0, "Building the model")
+        found = tree_of_file(tree, options, cache_dir)
+        result = pull_and_release(
+            found.fem, sway=sway, cycles=cycles, on_progress=lambda share: report(share, "Free decay")
+        )
     if plot is not None:
         title = f"{tree.stem}, {'bare' if options.foliage == 'bare' else 'in leaf'}"
         write_plot(plot, decay_figure(result, title))

@@ -12,6 +12,7 @@ from galewood.io.cli.tools import (
     CacheDir,
     JsonOut,
     console,
+    plain_errors,
     print_error,
     print_warning,
     progress_bar,
@@ -121,30 +122,23 @@ def _compared(
     from galewood.io.api import calibrate as calibrate_wood
     from galewood.options import ImportRequest
     from galewood.solid.fem import FemSettings
-    from galewood.util import MeshError
 
     settings = FemSettings(root_stiffness_nm_rad=options.root_stiffness_nm_rad)
-    try:
-        with progress_bar() as bar:
-            report = progress_reporter(bar)
-            report(0.0, "Building the model")
-            given = options.model_dump(include=set(ImportRequest.model_fields), exclude_none=True)
-            tree = read(path, **given)
-            common: dict[str, Any] = {
-                "wood": options.own_wood, "foliage": options.foliage, "target_tets": options.target_tets,
-                "settings": settings, "cache_dir": cache_dir,
-            }  # fmt: skip
-            if not calibrate:
-                return predicted_sway(Model(tree, **common).fem, analysis.record.wind_m_s), None
-            found = calibrate_wood(
-                tree, analysis, **common, on_progress=lambda share: report(share, "Calibrating the wood")
-            )
-            return found.before, found
-    except MeshError as error:
-        print_error(error.title, error.hint)
-    except (ValueError, ArithmeticError) as error:
-        print_error(f"{error}.")
-    raise typer.Exit(1)
+    with plain_errors(), progress_bar() as bar:
+        report = progress_reporter(bar)
+        report(0.0, "Building the model")
+        given = options.model_dump(include=set(ImportRequest.model_fields), exclude_none=True)
+        tree = read(path, **given)
+        common: dict[str, Any] = {
+            "wood": options.own_wood, "foliage": options.foliage, "target_tets": options.target_tets,
+            "settings": settings, "cache_dir": cache_dir,
+        }  # fmt: skip
+        if not calibrate:
+            return predicted_sway(Model(tree, **common).fem, analysis.record.wind_m_s), None
+        found = calibrate_wood(
+            tree, analysis, **common, on_progress=lambda share: report(share, "Calibrating the wood")
+        )
+        return found.before, found
 
 
 def _print_analysis(name: str, analysis: SwayAnalysis) -> None:

@@ -14,7 +14,7 @@ from galewood.io.cli.request_options import Mesh, WoodFile, validated, with_opti
 from galewood.io.cli.tools import (
     JsonOut,
     console,
-    print_error,
+    plain_errors,
     print_warning,
     progress_bar,
     progress_reporter,
@@ -73,7 +73,7 @@ def strain(
     from galewood.solid.strain import CAUTION_TEXT
 
     options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)})
-    with _plain_errors(), console.status(f"Bending {tree.stem}"):
+    with plain_errors(), console.status(f"Bending {tree.stem}"):
         found = strain_of(
             _read(tree, options),
             wind_m_s=speed,
@@ -126,7 +126,7 @@ def critical_wind(
 
     options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)})
     figures: dict[str, Any] = {}
-    with _plain_errors():
+    with plain_errors():
         asked = CriticalOptions(
             direction_deg=direction,
             knot_factor=knot_factor,
@@ -181,7 +181,7 @@ def stand(
         sample_count=samples,
         seed=seed,
     )
-    with _plain_errors():
+    with plain_errors():
         with _progress("Bending the built-in trees") as report:
             found = stand_risk(inventory, foliage=foliage, options=options, on_progress=report)
         write_report(found, out)
@@ -196,22 +196,6 @@ def stand(
     console.print(f"{out}: {len(found.stems)} {'stem' if len(found.stems) == 1 else 'stems'}")
     for text in (*found.assumptions, CAUTION_TEXT):
         print_warning(text)
-
-
-@contextmanager
-def _plain_errors() -> Generator[None]:
-    """Prints what is wrong with a tree or an option, and exits."""
-    from galewood.util import MeshError
-
-    try:
-        yield
-    except MeshError as error:
-        print_error(error.title, error.hint)
-    except (ValueError, ArithmeticError) as error:
-        print_error(f"{error}.")
-    else:
-        return
-    raise typer.Exit(1)
 
 
 @contextmanager

@@ -47,6 +47,22 @@ def print_error(what: str, *details: str) -> None:
     console.print(Text(what, "red"), *details, soft_wrap=True)
 
 
+@contextmanager
+def plain_errors() -> Generator[None]:
+    """Prints what is wrong with a file, a tree or an option, and exits."""
+    from galewood.util import MeshError
+
+    try:
+        yield
+    except MeshError as error:
+        print_error(error.title, error.hint)
+    except (ValueError, ArithmeticError) as error:
+        print_error(f"{str(error).removesuffix('.')}.")
+    else:
+        return
+    raise typer.Exit(1)
+
+
 def print_warning(what: str, *details: str) -> None:
     """The same in yellow."""
     console.print(Text(what, "yellow"), *details, soft_wrap=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from galewood.io.api import MotionTable, Tree, load
 from galewood.packaged import species_folder
-from galewood.pipeline.results import SHIPPED_FOLDER
+from galewood.pipeline.results import shipped_tables
 from galewood.pipeline.tables import BuildOptions, beam_table
 from galewood.table import encode
 
@@ -33,14 +33,8 @@ def shown_table(tree: str | Path | MotionTable | Tree, mesh: str | Path | None =
     return MotionTable(encode(replace(table.table, paper=None)), table.render_glb)
 
 
-def builtin_trees() -> dict[str, Path]:
-    """The tables of the built-in trees by their names."""
-    shipped = (species_folder() / SHIPPED_FOLDER).glob("*.table")
-    return dict(sorted((path.stem, path) for path in shipped if "." not in path.stem))
-
-
 def _loaded(tree: str | Path, mesh: str | Path | None) -> MotionTable:
-    path, builtin = Path(tree), builtin_trees()
+    path, builtin = Path(tree), shipped_tables(species_folder())
     if isinstance(tree, str) and tree in builtin and not path.is_file():
         path = builtin[tree]
     if not path.exists():

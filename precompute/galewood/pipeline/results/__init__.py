@@ -9,6 +9,7 @@ from galewood.pipeline.results.shipped import (
     ShippedTree,
     build_key,
     read_shipped,
+    shipped_tables,
     write_shipped,
 )
 
@@ -25,6 +26,7 @@ __all__ = [
     "light_mesh",
     "read_compliance",
     "read_shipped",
+    "shipped_tables",
     "write_compliance",
     "write_light",
     "write_shipped",

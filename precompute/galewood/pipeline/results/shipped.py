@@ -38,6 +38,12 @@ SHIPPED_SUFFIXES = {
 TETS_SUFFIX, PACKED_SUFFIX = ".tets.npz", ".gz"
 
 
+def shipped_tables(species_dir: Path) -> dict[str, Path]:
+    """The tables in leaf by the names of their trees, in this folder of the built-in trees."""
+    files = (species_dir / SHIPPED_FOLDER).glob(f"*{SHIPPED_SUFFIXES['table']}")
+    return dict(sorted((path.stem, path) for path in files if "." not in path.stem))
+
+
 @dataclass(frozen=True)
 class ShippedTree:
     """The result of a build, as it is distributed."""
