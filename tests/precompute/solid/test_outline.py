@@ -52,6 +52,22 @@ def test_a_tube_has_the_frequencies_of_beam_theory():
     np.testing.assert_allclose(found[[0, 2]], found[[1, 3]], rtol=1e-3)
 
 
+@pytest.mark.parametrize("meeting_m", [1.2, 2.0, 2.03, 2.7])
+def test_a_limb_of_two_capped_pieces_has_no_hinge_where_they_meet(meeting_m):
+    """As scanned limbs are, one piece per segment: levels cut the tapered caps, not the limb."""
+    cap_m, overlap_m = 0.06, 0.03
+    low = tube((0, 0, 0), (0, meeting_m + overlap_m, 0), 0.05, 0.05, sides=24, rings=120)
+    high = tube((0, meeting_m - overlap_m, 0), (0, 4.0, 0), 0.05, 0.05, sides=24, rings=120)
+    low.vertices[:, [0, 2]] *= np.clip((meeting_m + overlap_m - low.vertices[:, [1]]) / cap_m, 0.05, 1)
+    high.vertices[:, [0, 2]] *= np.clip((high.vertices[:, [1]] - meeting_m + overlap_m) / cap_m, 0.05, 1)
+    whole = tube((0, 0, 0), (0, 4.0, 0), 0.05, 0.05, sides=24, rings=120)
+    first_hz = []
+    for surface in (joined(low, high), whole):
+        frame = frame_of(outline_of(surface.vertices, surface.faces))
+        first_hz.append(frame_frequencies(frame, WOOD, height_of_clamp(frame.points_m), 1)[0])
+    assert first_hz[0] == pytest.approx(first_hz[1], rel=0.1)
+
+
 def test_limbs_that_are_tubes_of_their_own_grow_from_the_trunk():
     surface = y_tree()
     outline = outline_of(surface.vertices, surface.faces)

@@ -27,6 +27,10 @@ from galewood.util import Floats, Int32s, Ints
 STEPS_PER_HEIGHT = 60
 MIN_RADIUS_RATIO = 0.2
 """Smallest radius of a section, relative to the median of its branch."""
+PINCHED_SHARE = 0.5
+"""Two sections in a row, thinner than this share of those on both sides, are where two closed pieces of one
+limb meet: the level cuts their caps. A beam so thin would bend like a hinge.
+"""
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,21 @@ def _smoothed(radius_m: Floats, branch: Ints) -> Floats:
     for line in branch_lines(branch):
         own = radius_m[line]
         if len(own) >= 3:
-            inner = np.median(sliding_window_view(own, 3), axis=1)
+            inner = np.median(sliding_window_view(_without_pinches(own), 3), axis=1)
             result[line] = np.concatenate([inner[:1], inner, [min(own[-1], inner[-1])]])
         result[line] = np.maximum(result[line], MIN_RADIUS_RATIO * np.median(own))
     return result
+
+
+def _without_pinches(radius_m: Floats) -> Floats:
+    """Radii (n,) along a branch; two pinched sections in a row have the smaller radius of those around them.
+
+    A single one is left to the median.
+    """
+    from scipy.ndimage import grey_closing  # slow to load
+
+    closed = np.asarray(grey_closing(radius_m, size=3), np.float64)
+    thin = radius_m < PINCHED_SHARE * closed
+    thin[[0, -1]] = False  # a tip, and the base of a limb in the bark of its parent
+    both = thin[1:] & thin[:-1]
+    return np.where(np.append(both, False) | np.append(False, both), closed, radius_m)
