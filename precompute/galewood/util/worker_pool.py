@@ -19,6 +19,8 @@ from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import TYPE_CHECKING, ParamSpec, Self, TypeVar
 
+from galewood.threads import SINGLE_THREADED
+
 if TYPE_CHECKING:
     from loky import ProcessPoolExecutor
 
@@ -26,7 +28,7 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 WARM_UP_S = 0.3
 """How long a warm-up task occupies its worker, s, so that the next one goes to another process."""
-WORKER_ENVIRONMENT = {"LOKY_MAX_MEMORY_LEAK_SIZE": str(1 << 50)}
+WORKER_ENVIRONMENT = {"LOKY_MAX_MEMORY_LEAK_SIZE": str(1 << 50), **SINGLE_THREADED}
 """loky replaces workers that have grown by 300 MB; a model of that size is no leak."""
 
 

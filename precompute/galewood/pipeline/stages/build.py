@@ -23,6 +23,7 @@ from galewood.pipeline.stages.solid import ImportedTree, MeshFile, attach_foliag
 from galewood.pipeline.stages.stage import Progress, Stage, StageProgress
 from galewood.pipeline.tables import BuildOptions
 from galewood.solid.fem import FemModel
+from galewood.threads import single_threaded
 from galewood.tree import TreeMesh
 from galewood.util import WorkerPool
 from galewood.wood import Wood
@@ -32,6 +33,7 @@ WARM_MODULES = ("galewood.solid.model.comparison", "galewood.pipeline.sampling.r
 OnProgress = Callable[[Progress], None]
 
 
+@single_threaded
 def build_table(
     source: bytes | ImportedTree,
     filename: str,
@@ -65,6 +67,7 @@ def build_table(
         return _build(import_tree(MeshFile(source, filename), context), context)
 
 
+@single_threaded
 def build_tree(
     tree: TreeMesh,
     render_glb: bytes,
@@ -77,6 +80,7 @@ def build_tree(
         return _build(ImportedTree(tree, render_glb), _quiet(options, cache_dir, pool, progress))
 
 
+@single_threaded
 def model_of(
     source: bytes, filename: str, options: BuildOptions, cache_dir: Path, wood: Wood | None = None
 ) -> FemModel:
