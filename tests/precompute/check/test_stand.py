@@ -225,6 +225,20 @@ def test_the_command(tmp_path: Path) -> None:
     assert wrong.exit_code == 1 and ".csv, .html, .geojson, .json" in wrong.output
 
 
+def test_a_report_that_cannot_be_written_is_refused_before_trees_are_bent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def bend(*arguments: object, **options: object) -> None:
+        raise AssertionError("trees are bent")
+
+    monkeypatch.setattr("galewood.io.api.stand_risk", bend)
+    inventory = tmp_path / "stand.csv"
+    inventory.write_bytes(stand_csv(("Esche",), 25))
+    for name, reason in (("out.geojson", "no longitudes"), ("out.pdf", ".csv, .html, .geojson, .json")):
+        found = CliRunner().invoke(app, ["stand", str(inventory), "--out", str(tmp_path / name)])
+        assert found.exit_code == 1 and reason in " ".join(found.output.split()), found.output
+
+
 def test_a_map_has_the_places_of_the_inventory(tmp_path: Path, forms: dict[str, TreeForm]) -> None:
     rows = ["lon,lat,species,height_m,dbh_cm", "8.123456,50.654321,Esche,18,24", "8.1235,50.6543,Esche,,24"]
     rows += ["8.1236,50.6544,Esche,20,25"]

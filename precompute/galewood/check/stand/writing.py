@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from galewood.check.stand.report import StandReport, StemRisk
+from galewood.measurements import Inventory
 from galewood.solid.strain import CAUTION_TEXT
 from galewood.util import write_atomically
 
@@ -36,15 +37,26 @@ COLUMNS = (
     ("breaks at, m/s", "critical_m_s"), ("10 %", "critical_low_m_s"), ("90 %", "critical_high_m_s"),
 )  # fmt: skip
 TEXT_COLUMNS = ("species", "tree")
+NO_LONGITUDES_TEXT = "the inventory has no longitudes and latitudes for GeoJSON: write .csv or .html"
 ESTIMATED_TEXT = "* not measured: height from the diameter, or diameter from the built-in tree's proportions"
+
+
+def check_writable(inventory: Inventory, path: Path) -> None:
+    """Whether a report of these stems can be written to a file of this name, before it is computed.
+
+    ValueError for another ending than .csv, .html, .geojson and .json, and for GeoJSON without longitudes.
+    """
+    if path.suffix.lower() not in _WRITERS:
+        raise ValueError(f"{path.name}: the report ends in {', '.join(_WRITERS)}")
+    if path.suffix.lower() == ".geojson" and any(one.lon_lat_deg is None for one in inventory.sources):
+        raise ValueError(NO_LONGITUDES_TEXT)
 
 
 def write_report(report: StandReport, path: Path) -> None:
     """Write a report as CSV, HTML, GeoJSON or JSON, by the ending of its name. ValueError for another one."""
-    writers = {".csv": table_text, ".html": page_text, ".geojson": geojson_text, ".json": json_text}
-    if path.suffix.lower() not in writers:
-        raise ValueError(f"{path.name}: the report ends in {', '.join(writers)}")
-    write_atomically(path, writers[path.suffix.lower()](report).encode())
+    if path.suffix.lower() not in _WRITERS:
+        raise ValueError(f"{path.name}: the report ends in {', '.join(_WRITERS)}")
+    write_atomically(path, _WRITERS[path.suffix.lower()](report).encode())
 
 
 def table_text(report: StandReport) -> str:
@@ -78,7 +90,7 @@ def geojson_text(report: StandReport) -> str:
     for stem, properties in zip(report.stems, document.pop("stems"), strict=True):
         place = [properties.pop("lon_deg"), properties.pop("lat_deg")]
         if None in place:
-            raise ValueError("the inventory has no longitudes and latitudes for GeoJSON: write .csv or .html")
+            raise ValueError(NO_LONGITUDES_TEXT)
         properties["marker-color"] = colours[_step_of(stem, len(report.stems))]
         geometry = {"type": "Point", "coordinates": place}
         features.append({"type": "Feature", "geometry": geometry, "properties": properties})
@@ -188,3 +200,6 @@ def _shown(name: str, value: object) -> str:
     if name.startswith("critical") and isinstance(value, float):
         return _speed(value)
     return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+_WRITERS = {".csv": table_text, ".html": page_text, ".geojson": geojson_text, ".json": json_text}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from galewood.check.sway.spectrum import (
     without_drift,
 )
 from galewood.check.sway.wind_response import WindResponse, wind_response
-from galewood.measurements import MotionRecord
+from galewood.measurements import MotionRecord, read_motion
 from galewood.util import Floats
 
 ANALYSED_HZ = 25.0
@@ -108,12 +109,15 @@ class SwayAnalysis:
         return frequency[shown], density[shown]
 
 
-def analyse_motion(record: MotionRecord) -> SwayAnalysis:
+def analyse_motion(record: MotionRecord | str | Path) -> SwayAnalysis:
     """Frequency, damping and spectrum of a recorded motion, along its principal axes.
 
-    The record is from a file (``galewood.read_motion``) or from arrays (``galewood.motion_record``). One
-    without a clear resonance keeps its other figures, with a note.
+    The record is a file, what ``galewood.read_motion`` made of one with options, or from arrays
+    (``galewood.motion_record``). One without a clear resonance keeps its other figures, with a note. Raises
+    MeasurementError for a file that cannot be read.
     """
+    if not isinstance(record, MotionRecord):
+        record = read_motion(record)
     axes = principal_axes(without_drift(record.values, record.rate_hz))
     rate, factor = record.rate_hz, max(record.rate_hz / ANALYSED_HZ, 1.0)
     wind = None

@@ -7,9 +7,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from galewood.check.sway import Calibration, SwayAnalysis, calibrated
+from galewood.check.sway import Calibration, SwayAnalysis, analyse_motion, calibrated
 from galewood.io.api.models import Model
 from galewood.io.api.trees import Tree
+from galewood.measurements import MotionRecord
 from galewood.options import USUAL_TETS
 from galewood.solid.fem import FemModel, FemSettings
 from galewood.table import Foliage
@@ -18,7 +19,7 @@ from galewood.wood import Wood, wood_of_species
 
 def calibrate(
     tree: Tree,
-    analysis: SwayAnalysis,
+    motion: SwayAnalysis | MotionRecord | str | Path,
     *,
     wood: Wood | None = None,
     foliage: Foliage = "leaf",
@@ -33,8 +34,8 @@ def calibrate(
 
     Args:
         tree: The tree (``galewood.read``).
-        analysis: Of its record (``galewood.analyse_motion``). The damping by drag is subtracted if the record
-            has a wind.
+        motion: Its record: a file, a record (``galewood.read_motion``) or the analysis of one
+            (``galewood.analyse_motion``). The damping by drag is subtracted if the record has a wind.
         wood: Where to start; by default the wood of the tree's species.
         foliage: "bare" for a record of the leafless tree.
         target_tets: Number of tetrahedra to aim at.
@@ -44,8 +45,10 @@ def calibrate(
 
     Raises:
         MeshError: The wood cannot be meshed.
+        MeasurementError: The file cannot be read (a ValueError).
         ValueError: The record has no resonance.
     """
+    analysis = motion if isinstance(motion, SwayAnalysis) else analyse_motion(motion)
 
     def model_of(one: Wood) -> FemModel:
         return Model(

@@ -169,8 +169,9 @@ def stand(
     For sound wood only, and no substitute for an inspection: not validated for decay, root damage or included
     bark.
     """
-    from galewood.check.stand import StandOptions, write_report
+    from galewood.check.stand import StandOptions, check_writable, write_report
     from galewood.io.api import stand_risk
+    from galewood.measurements import read_inventory
     from galewood.solid.strain import CAUTION_TEXT
 
     options = StandOptions(
@@ -182,8 +183,10 @@ def stand(
         seed=seed,
     )
     with plain_errors():
+        stems = read_inventory(inventory)
+        check_writable(stems, out)
         with _progress("Bending the built-in trees") as report:
-            found = stand_risk(inventory, foliage=foliage, options=options, on_progress=report)
+            found = stand_risk(stems, foliage=foliage, options=options, on_progress=report)
         write_report(found, out)
     for stem in found.stems[:FIRST_STEMS]:
         gust = f"{stem.critical_m_s:.1f}" if stem.critical_m_s < float("inf") else "over 100"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
+import galewood
 import numpy as np
 import pytest
 from galewood.check.sway import analyse_motion, calibrated, predicted_sway
 from galewood.check.verify.bars import polygon_bar
-from galewood.measurements import motion_record
+from galewood.measurements import motion_record, read_motion
 from galewood.motion.wind import dynamic_pressure
 from galewood.solid.fem import FemModel, FemSettings, Simulator
 from galewood.solid.model import build_model
@@ -16,6 +18,7 @@ from galewood.util import Floats
 from galewood.wood import Wood, wood_of_species
 
 from tests.precompute.check.sway.oscillators import driven_oscillator, slow_noise
+from tests.precompute.fixtures.tree_meshes import obj_bytes, tube
 
 SEED = 4177
 DURATION_S = 900.0
@@ -68,6 +71,22 @@ def test_calibration_is_exact_for_an_exact_record() -> None:
     assert found.wood.young_longitudinal_pa == pytest.approx(TRUE.young_longitudinal_pa, rel=0.02)
     assert found.wood.damping_ratio == pytest.approx(TRUE.damping_ratio, rel=0.12)
     assert found.before.frequency_hz > found.after.frequency_hz
+
+
+def test_files_are_taken_like_records(tmp_path: Path) -> None:
+    record = driven_oscillator(0.9, 0.05, 10.0, 1800.0, SEED)
+    path = tmp_path / "pole.csv"
+    rows = [f"{k / 10},{one:.6g}" for k, one in enumerate(record)]
+    path.write_text("\n".join(["time (s),strain", *rows]), encoding="utf-8")
+    expected = analyse_motion(read_motion(path)).figures()
+    for file in (path, str(path)):
+        assert galewood.analyse_motion(file).figures() == expected
+    tree = tmp_path / "tree.obj"
+    tree.write_bytes(obj_bytes(tube((0, 0, 0), (0, 6, 0), 0.05, 0.03, sides=16)))
+    found = galewood.calibrate(
+        galewood.read(tree, species="ash"), path, foliage="bare", target_tets=600, cache_dir=tmp_path
+    )
+    assert found.reached and found.after.frequency_hz == pytest.approx(0.9, rel=0.02)
 
 
 def test_drag_damps_in_proportion_to_the_wind() -> None:
