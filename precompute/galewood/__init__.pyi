@@ -19,6 +19,7 @@ from .io.api import evaluate as evaluate
 from .io.api import export_tree as export_tree
 from .io.api import field_report as field_report
 from .io.api import grid as grid
+from .io.api import gust_strain as gust_strain
 from .io.api import load as load
 from .io.api import read as read
 from .io.api import save as save
@@ -45,6 +46,7 @@ from .pipeline.stages import Progress as Progress
 from .solid.fem import FemSettings as FemSettings
 from .solid.strain import CriticalOptions as CriticalOptions
 from .solid.strain import CriticalWind as CriticalWind
+from .solid.strain import GustStrain as GustStrain
 from .solid.strain import TreeStrain as TreeStrain
 from .table import TableError as TableError
 from .util import Cancelled as Cancelled

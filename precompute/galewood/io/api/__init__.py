@@ -12,7 +12,7 @@ from galewood.io.api.models import Model, Motion
 from galewood.io.api.stands import stand_risk
 from galewood.io.api.tables import MotionTable, build, load, save
 from galewood.io.api.trees import Tree, read
-from galewood.io.api.wind_risk import critical_wind, strain
+from galewood.io.api.wind_risk import critical_wind, gust_strain, strain
 
 __all__ = [
     "Forest",
@@ -28,6 +28,7 @@ __all__ = [
     "export_tree",
     "field_report",
     "grid",
+    "gust_strain",
     "load",
     "read",
     "save",

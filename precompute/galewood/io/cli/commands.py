@@ -16,7 +16,8 @@ from galewood.io.cli.export_command import register as register_export
 from galewood.io.cli.field_commands import register as register_field
 from galewood.io.cli.motion_command import register as register_motion
 from galewood.io.cli.request_options import validated, with_options_of
-from galewood.io.cli.risk_commands import register as register_risk
+from galewood.io.cli.risk.risk_commands import register as register_risk
+from galewood.io.cli.risk.strain_command import register as register_strain
 from galewood.io.cli.tools import (
     CacheDir,
     JsonOut,
@@ -42,6 +43,7 @@ register_evaluate(app)
 register_export(app)
 register_field(app)
 register_motion(app)
+register_strain(app)
 register_risk(app)
 register_envelope(app)
 register_convert(app)

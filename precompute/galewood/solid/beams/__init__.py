@@ -1,7 +1,16 @@
 """A tree as a frame of round beams along its branches; in: branches with radii, wood; out: natural modes, and
 the pose of the beams under any load."""
 
-from galewood.solid.beams.bending import BentRods, NoEquilibrium, RodBuckling, Rods, bent, rod_buckling
+from galewood.solid.beams.bending import (
+    BentRods,
+    NoEquilibrium,
+    RodBuckling,
+    RodModes,
+    Rods,
+    bent,
+    rod_buckling,
+    rod_modes,
+)
 from galewood.solid.beams.frame import (
     JOINT_STIFFNESS_FACTOR,
     Frame,
@@ -19,6 +28,7 @@ __all__ = [
     "FrameModes",
     "NoEquilibrium",
     "RodBuckling",
+    "RodModes",
     "Rods",
     "bent",
     "frame_frequencies",
@@ -26,4 +36,5 @@ __all__ = [
     "frame_modes",
     "joined_frame",
     "rod_buckling",
+    "rod_modes",
 ]

@@ -19,7 +19,9 @@ import numpy as np
 
 from galewood.solid.beams.bending_kernels import (
     carried_loads,
+    moments_about,
     moments_and_places,
+    moved_by,
     newton,
     rest_moments,
     solved,
@@ -138,14 +140,57 @@ class RodBuckling:
 
 def rod_buckling(rods: Rods, count: int) -> RodBuckling:
     """The ``count`` largest load factors (weight over buckling load) of rods in their given shape."""
-    from scipy.sparse.linalg import LinearOperator, eigsh  # slow to load
-
     n, none = len(rods.parent), np.zeros_like(rods.along_m)
-    free = np.flatnonzero(rods.clamped == 0)
     still = np.tile(np.eye(3), (n, 1, 1))
     carried = carried_loads(rods.parent, _weight(rods))
     elastic: _Blocks = tangent(rods.shape, none, none, still)[:3]
     whole: _Blocks = tangent(rods.shape, rest_moments(rods.parent, rods.along_m, carried), carried, still)[:3]
+    values, turned = _largest_over(
+        rods, elastic, count, lambda at: _times(rods.parent, elastic, at) - _times(rods.parent, whole, at)
+    )
+    return RodBuckling(values, _energies(rods, turned))
+
+
+@dataclass(frozen=True)
+class RodModes:
+    """Natural modes about a pose: frequencies_hz (k,), rising, and shapes (k, n, 3) of the points, 1/√kg."""
+
+    frequencies_hz: Floats
+    shapes: Floats
+
+
+def rod_modes(rods: Rods, load_n: Floats, pose: BentRods, mass_kg: Floats, count: int) -> RodModes:
+    """The ``count`` lowest modes of rods with masses (n,) at their points, about their pose under a load.
+
+    The load and the weight keep their directions, and bend the rods further as they move.
+    """
+    weight = _weight(rods)
+    held = rest_moments(rods.parent, rods.along_m, carried_loads(rods.parent, weight))
+    blocks: _Blocks = tangent(rods.shape, held, carried_loads(rods.parent, weight + load_n), pose.turns)[:3]
+    axis = rods.along_m + pose.displacement_m - pose.displacement_m[np.maximum(rods.parent, 0)]
+
+    def inertia(turned: Floats) -> Floats:
+        return moments_about(rods.parent, axis, mass_kg[:, None] * moved_by(rods.parent, axis, turned))
+
+    squares, turned = _largest_over(rods, _symmetric(blocks), count, inertia)
+    shapes = np.stack([moved_by(rods.parent, axis, one) for one in turned])
+    return RodModes(1 / (2 * np.pi * np.sqrt(squares)), shapes / np.sqrt(squares)[:, None, None])
+
+
+def _symmetric(blocks: _Blocks) -> _Blocks:
+    """The symmetric part: what it lacks vanishes with the length of the rods."""
+    diagonal, to_inner, to_outer = blocks
+    across = (to_inner + to_outer.transpose(0, 2, 1)) / 2
+    return (diagonal + diagonal.transpose(0, 2, 1)) / 2, across, across.transpose(0, 2, 1).copy()
+
+
+def _largest_over(
+    rods: Rods, stiffness: _Blocks, count: int, product: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats]:
+    """Largest λ (k,), falling, and rotations v (k, n, 3) of a product A v = λ K v; vᵀ K v = 1."""
+    from scipy.sparse.linalg import LinearOperator, eigsh  # slow to load
+
+    n, free = len(rods.parent), np.flatnonzero(rods.clamped == 0)
     size = 3 * len(free)
 
     def operator(product: Callable[[Floats], Floats]) -> Any:
@@ -157,13 +202,13 @@ def rod_buckling(rods: Rods, count: int) -> RodBuckling:
         return LinearOperator((size, size), matvec=on_free, dtype=np.float64)  # pyright: ignore[reportCallIssue]
 
     def turned_by(moment_nm: Floats) -> Floats:
-        diagonal, to_inner, to_outer = (blocks.copy() for blocks in elastic)  # they are overwritten
+        diagonal, to_inner, to_outer = (blocks.copy() for blocks in stiffness)  # they are overwritten
         return solved(rods.parent, rods.clamped, diagonal, to_inner, to_outer, moment_nm)
 
     values, vectors = eigsh(
-        operator(lambda at: _times(rods.parent, elastic, at) - _times(rods.parent, whole, at)),
+        operator(product),
         min(count, size - 1),
-        M=operator(lambda at: _times(rods.parent, elastic, at)),
+        M=operator(lambda at: _times(rods.parent, stiffness, at)),
         Minv=operator(turned_by),
         which="LA",
         tol=EIGENVALUE_TOLERANCE,
@@ -172,7 +217,7 @@ def rod_buckling(rods: Rods, count: int) -> RodBuckling:
     falling = np.argsort(-values)
     turned = np.zeros((len(values), n, 3))
     turned[:, free] = vectors[:, falling].T.reshape(len(values), -1, 3)
-    return RodBuckling(values[falling], _energies(rods, turned))
+    return values[falling], turned
 
 
 def _times(parent: Int64s, blocks: _Blocks, at: Floats) -> Floats:

@@ -139,6 +139,31 @@ def moments_and_places(shape, turns):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
+def moved_by(parent, axis, turned):  # pragma: no cover  (compiled)
+    """(n, 3) displacement of the points by small rotations (n, 3) of rods that point along axis (n, 3)."""
+    moved, mean, across = np.zeros_like(axis), np.empty(3), np.empty(3)
+    for i in range(1, len(parent)):
+        for k in range(3):
+            mean[k] = 0.5 * (turned[parent[i], k] + turned[i, k])
+        _cross(mean, axis[i], across)
+        for k in range(3):
+            moved[i, k] = moved[parent[i], k] + across[k]
+    return moved
+
+
+@numba.njit(cache=True, nogil=True)
+def moments_about(parent, axis, load):  # pragma: no cover  (compiled)
+    """(n, 3) moments on the points by forces (n, 3) on them: the transpose of ``moved_by``."""
+    carried, moment, across = carried_loads(parent, load), np.zeros_like(axis), np.empty(3)
+    for i in range(1, len(parent)):
+        _cross(axis[i], carried[i], across)
+        for k in range(3):
+            moment[i, k] += 0.5 * across[k]
+            moment[parent[i], k] += 0.5 * across[k]
+    return moment
+
+
+@numba.njit(cache=True, nogil=True)
 def newton(shape, clamped, held, carried, turns):  # pragma: no cover  (compiled)
     """Balance of moments by Newton's method, from the rotations `turns`, in place; whether it was reached."""
     parent = shape[0]

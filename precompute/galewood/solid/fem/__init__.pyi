@@ -27,6 +27,7 @@ from .modes import tangent_modes as tangent_modes
 from .node_wind import NodePressure as NodePressure
 from .node_wind import Place as Place
 from .node_wind import node_pressures as node_pressures
+from .node_wind import point_pressures as point_pressures
 from .prestress import rest_prestress as rest_prestress
 from .prestress import strain_displacements as strain_displacements
 from .settings import Element as Element

@@ -48,22 +48,37 @@ class NodePressure(NamedTuple):
 def node_pressures(
     model: FemModel, wind: WindState, place: Place, frames: int, *, height_m: float, most_pa: float
 ) -> Iterator[NodePressure]:
-    """The wind of each time step, the first of which ends one step after ``place.start_s``.
+    """The wind of each time step at the nodes, the first of which ends one step after ``place.start_s``.
 
     ``height_m`` is the height of the tree in the wind profile. Winds stronger than ``most_pa``, Pa, are
     compressed as those of a forest are; ``numpy.inf`` leaves them as they are.
     """
-    field, dt_s = WindField(wind), model.settings.dt_s
+    steps = place.start_s + model.settings.dt_s * np.arange(1, frames + 1, dtype=np.float64)
+    return point_pressures(
+        model.nodes_m, model.streamlined_exponent, wind, place, steps, height_m=height_m, most_pa=most_pa
+    )
+
+
+def point_pressures(
+    rest_m: Floats,
+    exponent: float,
+    wind: WindState,
+    place: Place,
+    time_s: Floats,
+    *,
+    height_m: float,
+    most_pa: float = np.inf,
+) -> Iterator[NodePressure]:
+    """The wind at times (T,) of its clock at points (N, 3) of a tree with a streamlined exponent."""
+    field = WindField(wind)
     x_m, z_m, size = np.array([place.x_m]), np.array([place.z_m]), np.ones(1)
-    exponent = model.streamlined_exponent
     pressure = TreePressure(x_m, z_m, [height_m], most_pa, exponent, limited=False)
-    rest_m = np.ascontiguousarray(model.nodes_m)
+    rest_m = np.ascontiguousarray(rest_m)
     turn = np.array([[np.cos(place.yaw_rad), np.sin(place.yaw_rad)]])
     gusts = np.zeros((1, 2 * len(rest_m)))
-    for frame in range(frames):
-        time_s = place.start_s + (frame + 1) * dt_s
-        pressure.advance(field, time_s)
-        world, moment = (pressure.x_pa, pressure.z_pa), field.at(time_s)
+    for now_s in time_s.tolist():
+        pressure.advance(field, now_s)
+        world, moment = (pressure.x_pa, pressure.z_pa), field.at(now_s)
         field_of_crown, carried = crown_field(moment.crown.seed), crown_carried(moment)
         write_gusts(field_of_crown, carried, rest_m, (x_m, z_m), turn, size, world, exponent, gusts)
         x_pa, z_pa = to_tree_frame(*world, place.yaw_rad)

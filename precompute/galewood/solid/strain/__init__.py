@@ -8,6 +8,7 @@ from galewood.solid.strain.critical import (
     CriticalWind,
     critical_wind_of,
 )
+from galewood.solid.strain.gust_strain import GustStrain, strain_in_gusts, with_top_speed
 from galewood.solid.strain.sections import CAUTION_TEXT, TreeStrain, strain_in_wind
 from galewood.solid.strain.spread import Sample, samples
 from galewood.solid.strain.tree_rods import WindRods, wind_rods
@@ -18,11 +19,14 @@ __all__ = [
     "QUANTILES",
     "CriticalOptions",
     "CriticalWind",
+    "GustStrain",
     "Sample",
     "TreeStrain",
     "WindRods",
     "critical_wind_of",
     "samples",
+    "strain_in_gusts",
     "strain_in_wind",
     "wind_rods",
+    "with_top_speed",
 ]

@@ -31,6 +31,8 @@ class Section:
     """One section of a tree, as ``TreeStrain`` has them."""
 
     height_m: float
+    x_m: float
+    z_m: float
     diameter_cm: float
     moment_nm: float
     strain: float
@@ -56,7 +58,7 @@ class TreeStrain:
     diameter_m: Floats
     moment_nm: Floats
     strain: Floats
-    stress_pa: Floats
+    young_pa: float
     breast_height_strain: float | None
     """Of the stem at 1.3 m; None: it does not reach it."""
     base_moment_nm: float
@@ -66,19 +68,25 @@ class TreeStrain:
     weight_share: float
     """Of the weight, the share that acts: less than 1 for a tree that would hardly stand."""
 
+    @property
+    def stress_pa(self) -> Floats:
+        """(s,) stress at the outermost fibre."""
+        return self.young_pa * self.strain
+
     def largest(self, part: Part = "stem") -> Section | None:
         """The section with the largest strain; None: the tree has no boughs of 4 cm."""
         of_part = np.flatnonzero(self.stem if part == "stem" else self.bough)
         if not len(of_part):
             return None
         at = int(of_part[np.argmax(self.strain[of_part])])
-        return Section(
-            float(self.place_m[at, 1]),
-            100 * float(self.diameter_m[at]),
-            float(self.moment_nm[at]),
-            float(self.strain[at]),
-            float(self.stress_pa[at]) / 1e6,
-        )
+        return self.section(at, float(self.strain[at]))
+
+    def section(self, at: int, strain: float) -> Section:
+        """A section by its index, with a strain at its outermost fibre."""
+        x, y, z = self.place_m[at].tolist()
+        diameter_m, stress_pa = float(self.diameter_m[at]), self.young_pa * strain
+        moment_nm = stress_pa * np.pi / 4 * (diameter_m / 2) ** 3
+        return Section(y, x, z, 100 * diameter_m, moment_nm, strain, stress_pa / 1e6)
 
     def figures(self) -> dict[str, Any]:
         """The largest strains, that at breast height, moment and sway; JSON-able."""
@@ -96,6 +104,51 @@ class TreeStrain:
         }
 
 
+class RodSections:
+    """The sections of a tree whose strain is reported, (s,) of all rods; those of a scan's points are not."""
+
+    def __init__(self, rods: WindRods) -> None:
+        self._shown = np.flatnonzero(~rods.inside & (rods.rods.clamped == 0) & (rods.radius_m > 0))
+        self._axis = rods.rods.axis[self._shown]
+        self.radius_m: Floats = rods.radius_m[self._shown]
+        self.place_m: Floats = rods.section_m[self._shown]
+        self.branch: Ints = rods.branch[self._shown]
+        self.young_pa = rods.wood.young_longitudinal_pa
+        on_line = self.branch == TRUNK_LIMB
+        self._line = np.flatnonzero(on_line)[np.argsort(self.place_m[on_line, 1])]
+        radius = self.at_breast_height(self.radius_m)
+        foot = self.radius_m[on_line][0] if radius is None else float(radius)
+        self.stem: NDArray[np.bool_] = on_line & (self.radius_m >= STEM_DIAMETER_SHARE * foot)
+        self.bough: NDArray[np.bool_] = ~on_line & (2 * self.radius_m >= THIN_DIAMETER_M)
+
+    def moments_nm(self, pose: BentRods) -> Floats:
+        """(s, 3) bending moments in a pose, N·m: without torsion, in axes that turn with the rods."""
+        moment = pose.moment_nm[self._shown]
+        return moment - np.einsum("ni,ni->n", moment, self._axis)[:, None] * self._axis
+
+    def strain(self, moment_nm: Floats) -> Floats:
+        """Strain at the outermost fibre by moments (s, ...): M r / (E I)."""
+        return (moment_nm.T / (self.young_pa * np.pi / 4 * self.radius_m**3)).T
+
+    def at_breast_height(self, values: Floats) -> Floats | None:
+        """Values (s, ...) of the stem at 1.3 m, between its sections; None: it is lower."""
+        height = self.place_m[self._line, 1]
+        if not height.size or height[-1] < BREAST_HEIGHT_M:
+            return None
+        above = min(max(int(np.searchsorted(height, BREAST_HEIGHT_M)), 1), len(height) - 1)
+        low, high = self._line[above - 1], self._line[above]
+        gap = max(float(height[above] - height[above - 1]), 1e-12)
+        share = float(np.clip((BREAST_HEIGHT_M - height[above - 1]) / gap, 0.0, 1.0))
+        return np.asarray((1 - share) * values[low] + share * values[high], np.float64)
+
+    def breast_height_strain(self, moment_nm: Floats) -> Floats | None:
+        """Strain at 1.3 m by moments (s, ...): by moment and radius there; None: the stem is lower."""
+        radius, moment = self.at_breast_height(self.radius_m), self.at_breast_height(moment_nm)
+        if radius is None or moment is None:
+            return None
+        return np.asarray(moment / (self.young_pa * np.pi / 4 * radius**3), np.float64)
+
+
 def strain_in_wind(
     rods: WindRods, wind_m_s: float, direction_deg: float, start: BentRods | None = None
 ) -> tuple[TreeStrain, BentRods]:
@@ -105,26 +158,22 @@ def strain_in_wind(
     """
     load = rods.wind_load_n(wind_m_s, direction_deg)
     pose = bent(rods.rods, load, start)
-    moment = _bending_moments(rods, pose)
-    shown = ~rods.inside & (rods.rods.clamped == 0) & (rods.radius_m > 0)  # a scan may end in a point
-    radius, place = rods.radius_m[shown], rods.section_m[shown]
-    young = rods.wood.young_longitudinal_pa
-    strain = _strain(moment[shown], radius, young)
-    on_line = rods.branch[shown] == TRUNK_LIMB
-    breast = _at_breast_height(on_line, place, radius, moment[shown])
-    thick = 2 * radius >= STEM_DIAMETER_SHARE * (2 * radius[on_line][0] if breast is None else breast[0])
+    sections = RodSections(rods)
+    moment = np.linalg.norm(sections.moments_nm(pose), axis=1)
+    strain = sections.strain(moment)
+    breast = sections.breast_height_strain(moment)
     return TreeStrain(
         wind_m_s,
         direction_deg,
-        place,
-        rods.branch[shown],
-        on_line & thick,
-        ~on_line & (2 * radius >= THIN_DIAMETER_M),
-        2 * radius,
-        moment[shown],
+        sections.place_m,
+        sections.branch,
+        sections.stem,
+        sections.bough,
+        2 * sections.radius_m,
+        moment,
         strain,
-        young * strain,
-        None if breast is None else float(_strain(breast[1], breast[0] / 2, young)),
+        sections.young_pa,
+        None if breast is None else float(breast),
         base_moment_nm(rods, load, pose),
         float(np.linalg.norm(pose.displacement_m[np.argmax(rods.points_m[:, 1])])),
         rods.load_factor,
@@ -139,28 +188,3 @@ def base_moment_nm(rods: WindRods, load_n: Floats, pose: BentRods) -> float:
     weight[:, 1] = -rods.rods.weight_n
     total = np.cross(arm, load_n).sum(axis=0) + np.cross(pose.displacement_m, weight).sum(axis=0)
     return float(np.hypot(total[0], total[2]))
-
-
-def _bending_moments(rods: WindRods, pose: BentRods) -> Floats:
-    """(n,) moment across each rod, N·m: without torsion."""
-    torsion = np.einsum("ni,ni->n", pose.moment_nm, rods.rods.axis)
-    return np.sqrt(np.maximum((pose.moment_nm**2).sum(axis=1) - torsion**2, 0.0))
-
-
-def _strain(moment_nm: Floats | float, radius_m: Floats | float, young_pa: float) -> Floats:
-    return np.asarray(moment_nm / (young_pa * np.pi / 4 * np.asarray(radius_m) ** 3), np.float64)
-
-
-def _at_breast_height(
-    on_line: NDArray[np.bool_], place_m: Floats, radius_m: Floats, moment_nm: Floats
-) -> tuple[float, float] | None:
-    """Diameter, m, and moment, N·m, of the stem at 1.3 m, between its sections; None: it is lower."""
-    height = place_m[on_line, 1]
-    order = np.argsort(height)
-    if not height.size or height[order[-1]] < BREAST_HEIGHT_M:
-        return None
-    diameter, moment = (
-        float(np.interp(BREAST_HEIGHT_M, height[order], of_section[on_line][order]))
-        for of_section in (2 * radius_m, moment_nm)
-    )
-    return diameter, moment

@@ -34,7 +34,8 @@ class WindRods:
     points_m (n, 3) in the given shape; radius_m (n,) of the rods; branch (n,), 0 the stem, which reaches
     farthest from the root; inside (n,): rods inside another limb, where a fork is one piece of wood. Of the
     wind areas (n,), m², drag coefficient and
-    height profile included, and of the weights in ``rods``, those of the leaves are listed apart.
+    height profile included, and of the weights in ``rods``, those of the leaves are listed apart;
+    ``exposed_area_m2`` and ``wind_profile`` (n,) are for the drag on moving points (`galewood.solid.fem`).
     ``load_factor`` is the weight over the buckling load, as given; ``weight_share`` the share of the weight
     that then acts (`standing.py`).
     """
@@ -47,10 +48,17 @@ class WindRods:
     drag_area_m2: Floats
     leaf_area_m2: Floats
     leaf_weight_n: Floats
+    exposed_area_m2: Floats
+    wind_profile: Floats
     streamlined_exponent: float
     wood: Wood
     load_factor: float
     weight_share: float
+
+    @property
+    def height_m(self) -> float:
+        """Height of the tree, m."""
+        return float(np.ptp(self.points_m[:, 1]))
 
     @property
     def section_m(self) -> Floats:
@@ -101,6 +109,8 @@ def wind_rods(tree: TreeMesh, wood: Wood, *, leaves: bool = True) -> WindRods:
         crown.drag_area_m2[order],
         (crown.drag_area_m2 - bare.drag_area_m2)[order],
         leaf_weight,
+        crown.exposed_area_m2[order],
+        crown.wind_profile[order],
         crown.streamlined_exponent,
         wood,
         standing.load_factor,

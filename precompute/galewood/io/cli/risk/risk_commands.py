@@ -1,44 +1,28 @@
-"""`galewood strain`, `galewood critical-wind` and `galewood stand`: what trees bear in wind."""
+"""`galewood critical-wind` and `galewood stand`: the gusts that break trees."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from galewood.io.cli.request_options import Mesh, WoodFile, validated, with_options_of, wood_document
+from galewood.io.cli.risk.tree_bending import FOLIAGE_NAMES, OF_TREE, print_weight, progress_of, read_tree
 from galewood.io.cli.tools import (
     JsonOut,
     console,
     plain_errors,
     print_warning,
-    progress_bar,
-    progress_reporter,
     write_figures,
 )
 from galewood.options import BuildRequest
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
-    from galewood.io.api import Tree
-    from galewood.solid.strain import CriticalWind, TreeStrain
+    from galewood.solid.strain import CriticalWind
 
-OF_TREE = ("species", "height_m", "dbh_cm", "min_radius_mm", "up_axis")
 FIRST_STEMS = 5
 """Stems that are printed; the report has all."""
-UNCHANGED_WEIGHT = 0.95
-"""Share of the weight below which a warning says that it was changed, as in the report of a build."""
-PART_NAMES: dict[Literal["stem", "boughs"], str] = {"stem": "stem", "boughs": "boughs of 4 cm and more"}
-FOLIAGE_NAMES = {"leaf": "in leaf", "bare": "bare"}
-CSV_COLUMNS = ("height_m", "x_m", "z_m", "branch", "part", "diameter_cm", "moment_nm", "strain", "stress_mpa")
-Heading = Annotated[
-    float, typer.Option("--direction", help="Direction the wind blows towards, degrees (0: x, 90: z).")
-]
-
-
 WorstDirection = Annotated[
     float | None,
     typer.Option(help="Direction the wind blows towards, degrees; default: the worst of eight."),
@@ -48,57 +32,6 @@ KnotFactor = Annotated[
 ]
 SampleCount = Annotated[int, typer.Option(min=0, max=10_000, help="Possible trees, for the uncertainty.")]
 Seed = Annotated[int, typer.Option(help="Seed of the possible trees.")]
-
-
-@with_options_of(BuildRequest, only=(*OF_TREE, "foliage"))
-def strain(
-    tree: Mesh,
-    speed: Annotated[
-        float, typer.Option(min=0.0, max=150.0, help="Wind at the top of the tree, m/s.")
-    ] = 15.0,
-    direction: Heading = 0.0,
-    csv_out: Annotated[
-        Path | None, typer.Option("--csv", dir_okay=False, help="Write all sections to this table.")
-    ] = None,
-    wood_properties: WoodFile = None,
-    json_out: JsonOut = None,
-    **chosen: Any,
-) -> None:
-    """Report bending strain and stress of a tree in a steady wind: at 1.3 m, and where they are largest.
-
-    For sound wood only, and no substitute for an inspection: not validated for decay, root damage or included
-    bark.
-    """
-    from galewood.io.api import strain as strain_of
-    from galewood.solid.strain import CAUTION_TEXT
-
-    options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)})
-    with plain_errors(), console.status(f"Bending {tree.stem}"):
-        found = strain_of(
-            _read(tree, options),
-            wind_m_s=speed,
-            direction_deg=direction,
-            foliage=options.foliage,
-            wood=options.own_wood,
-        )
-    write_figures(json_out, found.figures())
-    if csv_out is not None:
-        _write_sections(csv_out, found)
-    console.print(f"{tree.stem} {FOLIAGE_NAMES[options.foliage]}, wind of {speed:g} m/s:")
-    breast = found.breast_height_strain
-    console.print(f"strain at 1.3 m: {'the tree is lower' if breast is None else f'{breast:.5f}'}")
-    for part, name in PART_NAMES.items():
-        if largest := found.largest(part):
-            console.print(
-                f"largest strain, {name}: {largest.strain:.5f} ({largest.stress_mpa:.1f} MPa), "
-                f"{largest.height_m:.1f} m up, diameter {largest.diameter_cm:.1f} cm"
-            )
-    console.print(
-        f"moment at the ground: {found.base_moment_nm / 1000:.3g} kN·m; the top moves by "
-        f"{found.top_displacement_m:.2f} m"
-    )
-    _print_weight(found)
-    print_warning(CAUTION_TEXT)
 
 
 @with_options_of(BuildRequest, only=OF_TREE)
@@ -134,10 +67,10 @@ def critical_wind(
             sample_count=samples,
             seed=seed,
         )
-        read = _read(tree, options)
+        read = read_tree(tree, options)
         leafy = any(part.kind == "leaves" for part in read.mesh.primitives)
         for foliage in ("leaf", "bare") if leafy else ("bare",):
-            with _progress(f"{tree.stem} {FOLIAGE_NAMES[foliage]}") as report:
+            with progress_of(f"{tree.stem} {FOLIAGE_NAMES[foliage]}") as report:
                 found = critical_wind_of(
                     read, foliage=foliage, wood=options.own_wood, options=asked, on_progress=report
                 )
@@ -185,7 +118,7 @@ def stand(
     with plain_errors():
         stems = read_inventory(inventory)
         check_writable(stems, out)
-        with _progress("Bending the built-in trees") as report:
+        with progress_of("Bending the built-in trees") as report:
             found = stand_risk(stems, foliage=foliage, options=options, on_progress=report)
         write_report(found, out)
     for stem in found.stems[:FIRST_STEMS]:
@@ -199,36 +132,6 @@ def stand(
     console.print(f"{out}: {len(found.stems)} {'stem' if len(found.stems) == 1 else 'stems'}")
     for text in (*found.assumptions, CAUTION_TEXT):
         print_warning(text)
-
-
-@contextmanager
-def _progress(what: str) -> Generator[Callable[[float], None]]:
-    with progress_bar() as bar:
-        report = progress_reporter(bar)
-        report(0.0, what)
-        yield lambda share: report(share, what)
-
-
-def _read(path: Path, options: BuildRequest) -> Tree:
-    from galewood.io.api import read
-
-    given = {name: getattr(options, name) for name in OF_TREE}
-    return read(path, **given)
-
-
-def _write_sections(path: Path, found: TreeStrain) -> None:
-    from galewood.solid.strain import CAUTION_TEXT
-
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="") as file:
-        file.write(f"# {CAUTION_TEXT}\n")
-        table = csv.writer(file)
-        table.writerow(CSV_COLUMNS)
-        for k, (x, y, z) in enumerate(found.place_m):
-            part = "stem" if found.stem[k] else "bough" if found.bough[k] else "thin"
-            row = (100 * found.diameter_m[k], found.moment_nm[k], found.strain[k], found.stress_pa[k] / 1e6)
-            named = [f"{v:.4g}" for v in (y, x, z)] + [str(found.branch[k]), part]
-            table.writerow(named + [f"{v:.5g}" for v in row])
 
 
 def _print_critical(name: str, foliage: str, found: CriticalWind) -> None:
@@ -255,19 +158,10 @@ def _print_critical(name: str, foliage: str, found: CriticalWind) -> None:
             f"{speed(found.extrapolated_m_s)}"
         )
     console.print(f"  overturning: {speed(found.overturning_m_s)}")
-    _print_weight(found)
-
-
-def _print_weight(found: CriticalWind | TreeStrain) -> None:
-    if found.weight_share < UNCHANGED_WEIGHT:
-        print_warning(
-            f"The tree bears {found.load_factor:.0%} of its buckling load; few real trees bear more than a "
-            f"third. So only {found.weight_share:.0%} of its weight acts. Check radii, height and leaves."
-        )
+    print_weight(found)
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
-    app.command()(strain)
     app.command("critical-wind")(critical_wind)
     app.command()(stand)

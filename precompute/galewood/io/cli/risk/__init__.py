@@ -1,0 +1,1 @@
+"""Commands for what wind does to trees: strain, critical wind, stands."""
