@@ -11,6 +11,7 @@ import galewood
 import numpy as np
 from galewood.packaged import species_folder
 from galewood.pipeline.stages import builtin_meshes
+from galewood.solid.strain import Rupture
 from galewood.table import Foliage
 
 BEGIN, END = "<!-- strain: written by docs/examples/critical_wind.py -->", "<!-- end of strain -->"
@@ -21,6 +22,7 @@ HEAD = (
     "breaks at",
     "height, diameter there",
     "median, 10 to 90 %",
+    "first bough breaks at",
     "1.3 m breaks at",
     "a U²",
 )
@@ -35,7 +37,7 @@ def row(name: str, tree: galewood.Tree, foliage: Foliage) -> str:
         found.curve[found.curve[:, 0] == speed][0] for speed in (5.0, 15.0)
     )
     low, median, high = found.quantiles_m_s or (None, None, None)
-    at = found.section
+    at = found.stem.section
     cells = (
         f"{name}, {FOLIAGE[foliage]}",
         f"{breast_5:.5f}, {breast_15:.5f}",
@@ -43,6 +45,7 @@ def row(name: str, tree: galewood.Tree, foliage: Foliage) -> str:
         speed_text(found.gust_m_s),
         "–" if at is None else f"{at.height_m:.1f} m, {at.diameter_cm:.0f} cm",
         f"{speed_text(median)}, {speed_text(low)} to {speed_text(high)}",
+        bough_text(found.boughs),
         speed_text(found.breast_height_m_s),
         speed_text(found.extrapolated_m_s),
     )
@@ -53,6 +56,13 @@ def speed_text(speed_m_s: float | None) -> str:
     if speed_m_s is None:
         return "–"
     return f"{speed_m_s:.0f}" if np.isfinite(speed_m_s) else "over 100"
+
+
+def bough_text(boughs: Rupture | None) -> str:
+    if boughs is None:
+        return "no bough of 4 cm"
+    low, _, high = boughs.quantiles_m_s or (None, None, None)
+    return f"{speed_text(boughs.gust_m_s)}, {speed_text(low)} to {speed_text(high)}"
 
 
 page = Path(sys.argv[1])

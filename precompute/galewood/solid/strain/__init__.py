@@ -6,6 +6,7 @@ from galewood.solid.strain.critical import (
     QUANTILES,
     CriticalOptions,
     CriticalWind,
+    Rupture,
     critical_wind_of,
 )
 from galewood.solid.strain.gust_strain import GustStrain, strain_in_gusts, with_top_speed
@@ -20,6 +21,7 @@ __all__ = [
     "CriticalOptions",
     "CriticalWind",
     "GustStrain",
+    "Rupture",
     "Sample",
     "TreeStrain",
     "WindRods",

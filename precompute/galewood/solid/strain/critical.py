@@ -1,4 +1,4 @@
-"""Critical wind: the gust speed at which the largest strain of the stem reaches the rupture strain."""
+"""Critical wind: the gust speed at which the largest strain of stem or boughs reaches the rupture strain."""
 
 from __future__ import annotations
 
@@ -10,7 +10,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from galewood.solid.beams import BentRods, NoEquilibrium
-from galewood.solid.strain.sections import CAUTION_TEXT, Section, TreeStrain, strain_in_wind
+from galewood.solid.strain.sections import (
+    CAUTION_TEXT,
+    Part,
+    RodSections,
+    Section,
+    TreeStrain,
+    strain_in_wind,
+)
 from galewood.solid.strain.spread import Sample, samples
 from galewood.solid.strain.standing import share_of_weight
 from galewood.solid.strain.tree_rods import WindRods, with_leaves_times
@@ -50,32 +57,26 @@ class CriticalOptions:
             raise ValueError("sample_count must lie between 0 and 10000")
 
 
-@dataclass(frozen=True)
-class CriticalWind:
-    """Gust speeds, m/s at the top of the tree, at which a tree breaks; inf: not up to 100 m/s.
+Quantiles = tuple[float, float, float]
 
-    gust_m_s is that of the mean tree: where the largest strain of the stem, at ``section``, reaches the
-    rupture strain. At breast height it is reached at ``breast_height_m_s``; ``extrapolated_m_s`` is the speed
-    of field studies: strain = a U², a from breast height in 5 to 15 m/s. None: the tree is lower than 1.3 m.
-    samples_m_s (k,) are those of possible trees (`spread.py`). overturning_m_s None: not assessed. curve
-    (c, 3): wind, largest strain of the stem, and strain at breast height (NaN: none).
+
+@dataclass(frozen=True)
+class Rupture:
+    """Gust speeds, m/s at the top of the tree, at which a part breaks; inf: not up to 100 m/s.
+
+    gust_m_s is that of the mean tree: where the largest strain of the part, at ``section``, reaches the
+    rupture strain in the direction in which this is soonest. samples_m_s (k,) are those of possible trees
+    (`spread.py`).
     """
 
-    rupture_strain: float
     direction_deg: float
     gust_m_s: float
     section: Section | None
-    breast_height_m_s: float | None
-    extrapolated_m_s: float | None
-    overturning_m_s: float | None
     by_direction_m_s: dict[float, float]
     samples_m_s: Floats
-    curve: Floats
-    load_factor: float
-    weight_share: float
 
     @property
-    def quantiles_m_s(self) -> tuple[float, float, float] | None:
+    def quantiles_m_s(self) -> Quantiles | None:
         """10 %, median and 90 % of the samples; None: there are none."""
         if not len(self.samples_m_s):
             return None
@@ -83,22 +84,61 @@ class CriticalWind:
         return float(low), float(median), float(high)
 
     def figures(self) -> dict[str, Any]:
-        """All of it, JSON-able; null: not up to 100 m/s, or not assessed."""
+        """All of it, JSON-able; null: not up to 100 m/s."""
         quantiles = self.quantiles_m_s or (None, None, None)
         return {
-            "rupture_strain": self.rupture_strain,
             "direction_deg": self.direction_deg,
             "gust_m_s": _finite(self.gust_m_s),
             "quantiles_m_s": dict(zip(("10 %", "median", "90 %"), map(_finite, quantiles), strict=True)),
             "sample_count": len(self.samples_m_s),
             "section": self.section and vars(self.section),
+            "by_direction_m_s": {
+                f"{direction:g}": _finite(v) for direction, v in self.by_direction_m_s.items()
+            },
+        }
+
+
+@dataclass(frozen=True)
+class CriticalWind:
+    """Gust speeds, m/s at the top of the tree, at which a tree breaks; inf: not up to 100 m/s.
+
+    ``stem``, and ``boughs``: where the first bough of 4 cm and more breaks (None: there are none). At breast
+    height the rupture strain is reached at ``breast_height_m_s``; ``extrapolated_m_s`` is the speed of field
+    studies: strain = a U², a from breast height in 5 to 15 m/s. None: the tree is lower than 1.3 m.
+    overturning_m_s None: not assessed. curve (c, 3): wind, largest strain of the stem, and strain at breast
+    height (NaN: none). All of these are in the direction of the stem's rupture.
+    """
+
+    rupture_strain: float
+    stem: Rupture
+    boughs: Rupture | None
+    breast_height_m_s: float | None
+    extrapolated_m_s: float | None
+    overturning_m_s: float | None
+    curve: Floats
+    load_factor: float
+    weight_share: float
+
+    @property
+    def gust_m_s(self) -> float:
+        """Gust that breaks the stem of the mean tree."""
+        return self.stem.gust_m_s
+
+    @property
+    def quantiles_m_s(self) -> Quantiles | None:
+        """10 %, median and 90 % of the gusts that break the stems of possible trees; None: no samples."""
+        return self.stem.quantiles_m_s
+
+    def figures(self) -> dict[str, Any]:
+        """All of it, JSON-able; null: not up to 100 m/s, or not assessed."""
+        return {
+            "rupture_strain": self.rupture_strain,
+            **self.stem.figures(),
+            "boughs": self.boughs and self.boughs.figures(),
             "breast_height_m_s": _finite(self.breast_height_m_s),
             "extrapolated_m_s": _finite(self.extrapolated_m_s),
             "overturning_m_s": _finite(self.overturning_m_s),
             "overturning_assessed": self.overturning_m_s is not None,
-            "by_direction_m_s": {
-                f"{direction:g}": _finite(v) for direction, v in self.by_direction_m_s.items()
-            },
             "curve": [[_finite(float(value)) for value in row] for row in self.curve],
             "load_factor": self.load_factor,
             "weight_share": self.weight_share,
@@ -116,28 +156,35 @@ def critical_wind_of(
     """The critical wind of a tree. ``on_progress`` receives the share done; what it raises ends it."""
     rupture = options.knot_factor * rods.wood.rupture_strain
     directions = DIRECTIONS_DEG if options.direction_deg is None else (options.direction_deg,)
-    by_direction = {direction: _breaks_at(rods, direction, rupture) for direction in directions}
-    direction = min(by_direction, key=lambda one: by_direction[one])
-    found: list[float] = []
-    for one in samples(options.sample_count, options.seed):
-        found.append(_breaks_at(_possible(rods, one), direction, rupture * one.rupture / one.young))
-        on_progress(len(found) / options.sample_count)
-    course, gust = _Course(rods, direction), by_direction[direction]
-    broken = course.strain(gust) if np.isfinite(gust) else None
+    parts: tuple[Part, ...] = ("stem", "boughs") if RodSections(rods).bough.any() else ("stem",)
+    by_direction = {part: {one: _breaks_at(rods, one, rupture, part) for one in directions} for part in parts}
+    worst = {part: min(found, key=lambda one: found[one]) for part, found in by_direction.items()}
+    broken: dict[Part, list[float]] = {part: [] for part in parts}
+    for number, one in enumerate(samples(options.sample_count, options.seed), 1):
+        possible = _possible(rods, one)
+        for part in parts:
+            limit = rupture * one.rupture / one.young
+            broken[part].append(_breaks_at(possible, worst[part], limit, part))
+        on_progress(number / options.sample_count)
+
+    def rupture_of(part: Part) -> Rupture:
+        direction, gust = worst[part], by_direction[part][worst[part]]
+        at_gust = _Course(rods, direction).strain(gust) if np.isfinite(gust) else None
+        section = at_gust and at_gust.largest(part)
+        return Rupture(direction, gust, section, by_direction[part], np.array(broken[part]))
+
+    course = _Course(rods, worst["stem"])
     curve = np.array([[v, *course.strains(v)] for v in CURVE_M_S])
     slope = _square_law(course.strains)
     strength = options.root_strength_knm
     at_breast = bool(np.isfinite(curve[0, 2]))
     return CriticalWind(
         rupture,
-        direction,
-        gust,
-        broken and broken.largest("stem"),
+        rupture_of("stem"),
+        rupture_of("boughs") if "boughs" in parts else None,
         _speed_at(rupture, lambda v: course.strains(v)[1]) if at_breast else None,
         float(np.sqrt(rupture / slope)) if at_breast else None,
         None if strength is None else _speed_at(1000 * strength, course.base_moment_nm),
-        by_direction,
-        np.array(found),
         curve,
         rods.load_factor,
         rods.weight_share,
@@ -168,14 +215,21 @@ class _Course:
         breast = found.breast_height_strain
         return float(found.strain[found.stem].max()), np.nan if breast is None else breast
 
+    def largest(self, wind_m_s: float, part: Part) -> float:
+        """Largest strain of a part."""
+        found = self.strain(wind_m_s)
+        if found is None:
+            return np.inf
+        return float(found.strain[found.stem if part == "stem" else found.bough].max())
+
     def base_moment_nm(self, wind_m_s: float) -> float:
         found = self.strain(wind_m_s)
         return np.inf if found is None else found.base_moment_nm
 
 
-def _breaks_at(rods: WindRods, direction_deg: float, rupture_strain: float) -> float:
+def _breaks_at(rods: WindRods, direction_deg: float, rupture_strain: float, part: Part) -> float:
     course = _Course(rods, direction_deg)
-    return _speed_at(rupture_strain, lambda wind_m_s: course.strains(wind_m_s)[0])
+    return _speed_at(rupture_strain, lambda wind_m_s: course.largest(wind_m_s, part))
 
 
 def _speed_at(limit: float, reached: Callable[[float], float]) -> float:

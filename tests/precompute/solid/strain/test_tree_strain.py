@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from galewood.motion.wind import dynamic_pressure
 from galewood.options import ImportRequest
+from galewood.solid.beams import Rods
 from galewood.solid.strain import CriticalOptions, critical_wind_of, strain_in_wind, wind_rods
 from galewood.solid.strain.spread import VARIATION_COEFFICIENTS, Sample, samples
 from galewood.solid.strain.tree_rods import WindRods
@@ -77,6 +78,41 @@ def test_a_tree_breaks_at_the_wind_that_strains_it_to_rupture():
     assert knotty.gust_m_s == pytest.approx(np.sqrt(0.7) * critical.gust_m_s, rel=0.02)
 
 
+def test_a_bough_breaks_at_the_wind_of_an_exact_cantilever():
+    """A level bough of 2 m across the wind, with wind on its tip only; without weight."""
+    count, radius, tip_m2, at_m = 20, 0.03, 0.5, 3.0
+    stem = np.column_stack([np.zeros(9), np.linspace(0, 4, 9), np.zeros(9)])
+    along = np.linspace(0.1, 2.1, count + 1)
+    bough = np.column_stack([0 * along, 0 * along + at_m, along])
+    points = np.concatenate([stem, bough])
+    parent = np.concatenate([np.arange(-1, 8), [6], np.arange(9, len(points) - 1)])
+    branch = np.repeat([0, 1], [9, count + 1])
+    thick = np.where(branch == 0, 0.25, radius)
+    second, none = np.pi / 4 * thick**4, np.zeros(len(points))
+    inside, clamped, area = none.astype(bool), none.astype(np.int64), none.copy()
+    inside[[0, 9]], clamped[0], area[-1] = True, 1, tip_m2
+    rods = Rods(
+        parent, points - points[np.maximum(parent, 0)], WEAK.young_longitudinal_pa * second,
+        2 * WEAK.shear_longitudinal_pa * second, clamped, none,
+    )  # fmt: skip
+    tree = WindRods(
+        rods, points, thick, branch, inside, area, none, none, area, none + 1, 2.0, WEAK, 0.0, 1.0
+    )
+    found = critical_wind_of(tree, CriticalOptions(direction_deg=0, sample_count=20, seed=2)).boughs
+    assert found is not None and found.section is not None
+    arm = 2.0 - 0.05  # from the middle of the first piece to the tip
+    force = WEAK.modulus_of_rupture_pa * np.pi / 4 * radius**3 / arm
+    assert found.gust_m_s == pytest.approx(np.sqrt(force / (0.6 * tip_m2)), rel=5e-3)
+    assert found.section.diameter_cm == pytest.approx(6.0)
+    place = found.section.x_m, found.section.height_m, found.section.z_m
+    assert place == pytest.approx((0.0, at_m, 0.15), abs=1e-9)
+    low, median, high = found.quantiles_m_s or (0, 0, 0)
+    assert low < median < high
+    # (strength / drag)^½ of each possible tree
+    exact = [np.sqrt(one.rupture / one.drag) * found.gust_m_s for one in samples(20, 2)]
+    np.testing.assert_allclose(found.samples_m_s, exact, rtol=5e-3)
+
+
 def test_overturning_is_assessed_where_the_strength_of_the_roots_is_known():
     rods = rods_of("fork")
     options = CriticalOptions(direction_deg=0, sample_count=0, root_strength_knm=0.5)
@@ -89,7 +125,7 @@ def test_possible_trees_spread_around_the_mean_tree():
     rods = replace(rods_of("fork", add_leaves=True), wood=WEAK)
     options = CriticalOptions(direction_deg=0, sample_count=40, seed=5)
     first, again = critical_wind_of(rods, options), critical_wind_of(rods, options)
-    assert np.array_equal(first.samples_m_s, again.samples_m_s)
+    assert np.array_equal(first.stem.samples_m_s, again.stem.samples_m_s)
     assert first.quantiles_m_s is not None
     low, median, high = first.quantiles_m_s
     assert low < median < high

@@ -19,7 +19,7 @@ from galewood.io.cli.tools import (
 from galewood.options import BuildRequest
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
-    from galewood.solid.strain import CriticalWind
+    from galewood.solid.strain import CriticalWind, Rupture
 
 FIRST_STEMS = 5
 """Stems that are printed; the report has all."""
@@ -140,24 +140,37 @@ def _print_critical(name: str, foliage: str, found: CriticalWind) -> None:
             return "not assessed"
         return f"{value:.1f} m/s" if value < float("inf") else "over 100 m/s"
 
+    def rupture(found: Rupture, what: str, indent: str) -> None:
+        if quantiles := found.quantiles_m_s:
+            low, median, high = quantiles
+            console.print(f"{indent}median {speed(median)}; 10 to 90 %: {speed(low)} to {speed(high)}")
+        if at := found.section:
+            place = f", at x {at.x_m:.1f} m, z {at.z_m:.1f} m" if what == "bough" else ""
+            console.print(
+                f"{indent}there the strain of {at.strain:.4f} is reached {at.height_m:.1f} m up, where the "
+                f"{what} is {at.diameter_cm:.1f} cm thick{place}",
+                soft_wrap=True,
+            )
+
     console.print(
-        f"{name} {FOLIAGE_NAMES[foliage]}, wind towards {found.direction_deg:g}°: breaks at "
+        f"{name} {FOLIAGE_NAMES[foliage]}, wind towards {found.stem.direction_deg:g}°: breaks at "
         f"{speed(found.gust_m_s)}"
     )
-    if quantiles := found.quantiles_m_s:
-        low, median, high = quantiles
-        console.print(f"  median {speed(median)}; 10 to 90 %: {speed(low)} to {speed(high)}")
-    if section := found.section:
-        console.print(
-            f"  there the strain of {section.strain:.4f} is reached {section.height_m:.1f} m up, where the "
-            f"stem is {section.diameter_cm:.1f} cm thick"
-        )
+    rupture(found.stem, "stem", "  ")
     if found.breast_height_m_s is not None:
         console.print(
             f"  the same strain at 1.3 m: {speed(found.breast_height_m_s)}; with a U² from 5 to 15 m/s: "
             f"{speed(found.extrapolated_m_s)}"
         )
     console.print(f"  overturning: {speed(found.overturning_m_s)}")
+    if found.boughs is None:
+        console.print("  it has no boughs of 4 cm")
+    else:
+        console.print(
+            f"  first bough of 4 cm and more, wind towards {found.boughs.direction_deg:g}°: breaks at "
+            f"{speed(found.boughs.gust_m_s)}"
+        )
+        rupture(found.boughs, "bough", "    ")
     print_weight(found)
 
 
