@@ -26,11 +26,10 @@ PART_NAMES: dict[Literal["stem", "boughs"], str] = {"stem": "stem", "boughs": "b
 CSV_COLUMNS = ("height_m", "x_m", "z_m", "branch", "part", "diameter_cm", "moment_nm", "strain", "stress_mpa")
 FEWEST_ANALYSED = 256
 """Values that an analysis of a motion needs."""
-OF_GUSTS = ("gusts", "seconds", "wind", "gustiness", "seed")
 
 
-class StrainRequest(WindOptions, BuildRequest):
-    """A tree, and the wind that bends it."""
+class BendingWind(WindOptions):
+    """The wind that bends a tree: steady, or gusts."""
 
     speed: float | None = Field(
         default=None,
@@ -67,7 +66,8 @@ class StrainRequest(WindOptions, BuildRequest):
         return self.speed if self.speed is not None or of_file else USUAL_SPEED_M_S
 
 
-@with_options_of(StrainRequest, only=(*OF_TREE, "foliage", "speed", "direction", *OF_GUSTS))
+@with_options_of(BuildRequest, only=(*OF_TREE, "foliage"))
+@with_options_of(BendingWind)
 def strain(
     tree: Mesh,
     csv_out: Annotated[
@@ -90,64 +90,63 @@ def strain(
     from galewood.io.api import strain as strain_of
     from galewood.solid.strain import CAUTION_TEXT
 
-    options = validated(StrainRequest, {**chosen, "wood": wood_document(wood_properties)})
+    wind = validated(BendingWind, {name: chosen.pop(name) for name in BendingWind.model_fields})
+    options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)})
     name = f"{tree.stem} {FOLIAGE_NAMES[options.foliage]}"
-    if series is not None and not options.gusty:
+    if series is not None and not wind.gusty:
         print_error("There is no series of strain in a steady wind.", "Add --gusts, or --wind.")
         raise typer.Exit(2)
-    if options.gusty:
-        found = _in_gusts(tree, options, name, series, json_out)
+    if wind.gusty:
+        found, analysis = _in_gusts(tree, options, wind)
+        figures = found.figures()
+        if analysis is not None:
+            figures["breast_height"]["sway"] = analysis.along.figures()
+        if series is not None:
+            _write_series(series, found)
+        _print_gusts(name, found, analysis)
+        steady = found.in_mean
     else:
         with plain_errors(), console.status(f"Bending {tree.stem}"):
-            found = strain_of(
+            steady = strain_of(
                 read_tree(tree, options),
-                wind_m_s=USUAL_SPEED_M_S if options.speed is None else options.speed,
-                direction_deg=options.direction or 0.0,
+                wind_m_s=USUAL_SPEED_M_S if wind.speed is None else wind.speed,
+                direction_deg=wind.direction or 0.0,
                 foliage=options.foliage,
                 wood=options.own_wood,
             )
-        write_figures(json_out, found.figures())
-        _print_steady(name, found)
+        figures = steady.figures()
+        _print_steady(name, steady)
+    write_figures(json_out, figures)
     if csv_out is not None:
-        _write_sections(csv_out, found)
-    print_weight(found)
+        _write_sections(csv_out, steady)
+    print_weight(steady)
     print_warning(CAUTION_TEXT)
 
 
-def _in_gusts(
-    tree: Path, options: StrainRequest, name: str, series: Path | None, json_out: Path | None
-) -> TreeStrain:
-    """Compute, print and write the strain in gusts; returns that in the mean wind."""
+def _in_gusts(tree: Path, options: BuildRequest, wind: BendingWind) -> tuple[GustStrain, SwayAnalysis | None]:
+    """The strain in gusts, and an analysis of that at 1.3 m if there is enough of it."""
     from galewood.check.sway import analyse_motion
     from galewood.io.api import gust_strain
 
     with plain_errors():
         try:
-            wind = options.gust_wind()
+            gusts = wind.gust_wind()
         except OSError as error:
             raise ValueError(str(error)) from None
         read = read_tree(tree, options)
         with progress_of(f"{tree.stem} in gusts") as report:
             found = gust_strain(
                 read,
-                wind,
-                wind_m_s=options.top_speed_m_s,
-                seconds=options.seconds,
+                gusts,
+                wind_m_s=wind.top_speed_m_s,
+                seconds=wind.seconds,
                 foliage=options.foliage,
                 wood=options.own_wood,
                 on_progress=report,
             )
-        analysis = None
-        if found.breast_height_strain is not None and len(found.time_s) >= FEWEST_ANALYSED:
-            analysis = analyse_motion(found.breast_height_record())
-    figures = found.figures()
-    if analysis is not None:
-        figures["breast_height"]["sway"] = analysis.along.figures()
-    write_figures(json_out, figures)
-    if series is not None:
-        _write_series(series, found)
-    _print_gusts(name, found, analysis)
-    return found.in_mean
+        if found.breast_height_strain is None or len(found.time_s) < FEWEST_ANALYSED:
+            return found, None
+        return found, analyse_motion(found.breast_height_record())
 
 
 def _print_steady(name: str, found: TreeStrain) -> None:
