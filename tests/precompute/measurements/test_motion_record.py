@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from galewood.check.sway import analyse_motion
 from galewood.measurements import MeasurementError, MotionRecord, motion_record, read_motion
+from galewood.util import Floats
 
 COUNT = 400
 RATE_HZ = 10.0
@@ -131,6 +133,68 @@ def test_wrong_arguments_are_refused() -> None:
         motion_record(np.arange(300) / 10, np.zeros(300), wind_m_s=np.ones(20))
     dates = np.datetime64("2024-01-01T00:00", "ms") + np.arange(300) * np.timedelta64(100, "ms")
     assert motion_record(dates, np.sin(np.arange(300))).rate_hz == pytest.approx(10.0)
+
+
+def hung(turn: Floats, unit: str = "g", names: str = "xyz", size: float = 1.0, axes: int = 3) -> bytes:
+    """An accelerometer whose axes are the rows of ``turn``, in world axes of which the third is up.
+
+    It sways by 0.02 g at 0.4 Hz along the first and by 0.005 g along the second one.
+    """
+    time_s = np.arange(6000) / RATE_HZ
+    phase = 2 * np.pi * 0.4 * time_s + np.cumsum(np.random.default_rng(7).normal(0, 0.05, 6000))
+    world = np.column_stack([0.02 * np.sin(phase), 0.005 * np.cos(phase), np.ones(6000)])
+    rows = [
+        ",".join([f"{t:.1f}", *(f"{size * one:.6f}" for one in row)])
+        for t, row in zip(time_s, (world @ turn.T)[:, :axes], strict=True)
+    ]
+    stated = f" ({unit})" if unit else ""
+    return "\n".join(
+        [",".join(["time (s)", *(f"acc_{name}{stated}" for name in names[:axes])]), *rows]
+    ).encode()
+
+
+UP_X, UP_Y, UP_Z = (np.roll(np.eye(3), shift, axis=0) for shift in (1, 2, 0))
+LEANS = np.array([[0.8, 0, 0.6], [0, 1, 0], [-0.6, 0, 0.8]])
+
+
+@pytest.mark.parametrize(("turn", "vertical"), [(UP_X, "acc_x"), (UP_Y, "acc_y"), (UP_Z, "acc_z")])
+def test_the_axis_of_gravity_is_vertical_whatever_its_name(turn: Floats, vertical: str) -> None:
+    for upside in (1.0, -1.0):
+        found = read_motion(hung(upside * turn))
+        assert found.unit == "m/s²" and found.values.shape == (6000, 2)
+        assert found.columns is not None and found.columns["vertical"].startswith(vertical)
+        deviations = np.sort(found.values.std(axis=0)) * np.sqrt(2) / 9.80665
+        np.testing.assert_allclose(deviations, [0.005, 0.02], rtol=0.02)
+        along = analyse_motion(found).along
+        assert along.resonance is not None
+        assert along.resonance.frequency_hz == pytest.approx(0.4, rel=0.02)
+        assert any(f"Gravity is along '{vertical}" in note for note in found.notes) == (turn is not UP_Z)
+
+
+def test_a_leaning_sensor_is_turned_until_gravity_is_vertical() -> None:
+    found = read_motion(hung(LEANS))
+    assert "leans by 37°" in " ".join(found.notes)
+    assert np.abs(found.values.mean(axis=0)).max() < 1e-3
+    spread = np.linalg.eigvalsh(np.cov(found.values.T)) ** 0.5 * np.sqrt(2) / 9.80665
+    np.testing.assert_allclose(spread, [0.005, 0.02], rtol=0.02)
+
+
+def test_the_unit_of_an_acceleration_follows_from_gravity() -> None:
+    for size, unit in ((9.80665, "m/s²"), (1.0, "g"), (1000.0, "mg")):
+        found = read_motion(hung(UP_X, unit="", size=size))
+        assert found.unit == "m/s²" and f"taken as {unit}," in " ".join(found.notes)
+        assert found.values.std() == pytest.approx(read_motion(hung(UP_X)).values.std(), rel=1e-3)
+
+
+def test_accelerations_that_gravity_says_nothing_of_are_read_by_name() -> None:
+    without = read_motion(hung(UP_Z, size=0.3))
+    assert without.values.shape[1] == 2 and "vertical" not in (without.columns or {})
+    one = read_motion(hung(UP_X, axes=2))
+    assert one.values.shape[1] == 1 and "motion is that of acc_y" in " ".join(one.notes)
+    chosen = read_motion(hung(UP_X), columns={"axis1": "acc_x (g)", "axis2": "acc_z (g)"})
+    assert chosen.values[:, 0].mean() == pytest.approx(9.80665, rel=1e-3)
+    numbered = read_motion(hung(UP_X, names="123"))
+    assert (numbered.columns or {})["vertical"] == "acc_1 (g)"
 
 
 def test_a_file_without_times_needs_its_rate() -> None:

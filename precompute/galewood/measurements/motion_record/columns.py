@@ -65,7 +65,10 @@ CHOSEN_NAMES = ("time", "axis1", "axis2", "wind")
 
 @dataclass(frozen=True)
 class MotionColumns:
-    """Indices of the columns of a record (−1: none), and the unit of each axis."""
+    """Indices of the columns of a record (−1: none), and the unit of each axis.
+
+    An accelerometer has up to three axes, of which one may be vertical, whatever its name says.
+    """
 
     names: tuple[str, ...]
     time: int
@@ -79,6 +82,17 @@ class MotionColumns:
     wind_unit: str
     unused: tuple[str, ...]
     """Names of other columns with motion: of other trees, sensors or directions."""
+    chosen: bool = False
+    """Whether the axes were chosen, rather than found by their names."""
+
+    @property
+    def level_axes(self) -> tuple[int, ...]:
+        """Indices of those of the axes that are level by their names or were chosen, at most two."""
+        if self.chosen:
+            return tuple(range(len(self.axes)))
+        plain = [plain_name(self.names[axis]) for axis in self.axes]
+        level = [k for k, name in enumerate(plain) if _of_quantity_axis(self.quantity, name) not in _VERTICAL]
+        return tuple(level or range(len(plain)))[:MOST_AXES]
 
     @property
     def meanings(self) -> dict[str, str]:
@@ -124,6 +138,7 @@ def motion_columns(row: Row, chosen: Mapping[str, str] | None = None) -> MotionC
         wind,
         unit_in(names[wind], SPEED_UNITS) if wind >= 0 else "",
         tuple(names[k] for k in motion),
+        bool(picked),
     )
 
 
@@ -152,14 +167,19 @@ def _has_motion(name: str) -> bool:
 
 
 def _axes(plain: Sequence[str], names: Sequence[str], time: int) -> tuple[Quantity, tuple[int, ...]]:
-    """The quantity with most axes, and its columns: at most two, and none that is vertical."""
+    """The quantity with most axes, and its columns.
+
+    At most two, and none whose name is vertical; but all three of an accelerometer, which may hang any way.
+    """
     best: tuple[Quantity, tuple[int, ...]] = ("signal", ())
     for quantity in WORDS:
         found = [(k, axis) for k, name in enumerate(plain) if k != time and not _STATISTIC.search(name)
                  if (axis := _of_quantity(quantity, name)) is not None]  # fmt: skip
         level = [k for k, axis in found if axis not in _VERTICAL] or [k for k, _ in found]
         if len(level[:MOST_AXES]) > len(best[1]):
-            best = quantity, tuple(level[:MOST_AXES])
+            whole = tuple(k for k, _ in found[:3])
+            of_sensor = quantity == "acceleration" and len({axis for _, axis in found[:3]}) == 3
+            best = quantity, whole if of_sensor else tuple(level[:MOST_AXES])
     if not best[1]:
         bare = [k for k, name in enumerate(plain) if k != time and _BARE_AXIS.fullmatch(name)]
         stated: list[Quantity] = [one for one in WORDS if any(unit_in(names[k], UNITS[one]) for k in bare)]
@@ -186,6 +206,10 @@ def _of_quantity(quantity: Named, name: str) -> str | None:
         if found := re.fullmatch(pattern, without_unit):
             return found.group(1) or ""
     return None
+
+
+def _of_quantity_axis(quantity: Quantity, name: str) -> str | None:
+    return None if quantity == "signal" else _of_quantity(quantity, name)
 
 
 def _unit(name: str, quantity: Quantity) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,7 @@ from galewood.measurements.motion_record.columns import (
     motion_columns,
     with_units,
 )
+from galewood.measurements.motion_record.gravity import GRAVITY_UNITS, levelled
 from galewood.measurements.times import date_time_s
 from galewood.util import HEADER_WITHIN, Floats, Row, decoded, number_of, rows_of
 
@@ -95,18 +97,66 @@ def read_motion(
     time_s = _times(found, below, rate_hz)
     values = np.column_stack([_numbers(found, below, axis) for axis in found.axes])
     wind = _numbers(found, below, found.wind) if found.wind >= 0 else None
-    scale = [UNITS[found.quantity][unit][0] if unit else 1.0 for unit in found.units]
-    stated = all(found.units) and found.quantity != "signal"
     if wind is not None:
         wind = wind * SPEED_UNITS[found.wind_unit or "m/s"][0]
-    record = motion_record(
-        time_s,
-        values * scale,
-        quantity=found.quantity,
-        unit=next(iter(UNITS[found.quantity])) if stated else "",
-        wind_m_s=wind,
+    motion = _level(found, values) if found.quantity == "acceleration" else _as_stated(found, values)
+    record = motion_record(time_s, motion.values, quantity=found.quantity, unit=motion.unit, wind_m_s=wind)
+    return replace(record, columns=motion.meanings, notes=(*motion.notes, *_notes(found)))
+
+
+class _Motion(NamedTuple):
+    """Values (n, 1 or 2) in the first unit of their quantity (empty: unknown), and what they are."""
+
+    values: Floats
+    unit: str
+    meanings: dict[str, str]
+    notes: tuple[str, ...] = ()
+
+
+def _as_stated(columns: MotionColumns, values: Floats) -> _Motion:
+    """The values of the columns in their stated units."""
+    scale = [UNITS[columns.quantity][unit][0] if unit else 1.0 for unit in columns.units]
+    stated = all(columns.units) and columns.quantity != "signal"
+    unit = next(iter(UNITS[columns.quantity])) if stated else ""
+    return _Motion(values * scale, unit, columns.meanings)
+
+
+def _level(columns: MotionColumns, values: Floats) -> _Motion:
+    """The level accelerations of a sensor that may hang any way; those of chosen columns as they are."""
+    by_name = _as_stated(_with_axes(columns, columns.level_axes), values[:, list(columns.level_axes)])
+    if columns.chosen or len(columns.axes) < MOST_AXES:
+        return by_name
+    whole = _as_stated(columns, values)
+    found = levelled(whole.values, [whole.unit] if whole.unit else list(GRAVITY_UNITS))
+    if found is None:
+        return by_name
+    names, notes = [columns.names[axis] for axis in columns.axes], list[str]()
+    meanings = dict(_with_axes(columns, found.kept).meanings)
+    if found.vertical is None:
+        notes.append(
+            f"Gravity leans by {found.lean_deg:.0f}° from the nearest axis of the sensor; its axes were "
+            "turned until two of them are level."
+        )
+        meanings |= {f"axis {k + 1}": f"level part of {', '.join(names)}" for k in range(MOST_AXES)}
+    else:
+        meanings["vertical"] = names[found.vertical]
+        if set(found.kept) != set(columns.level_axes):
+            notes.append(
+                f"Gravity is along {names[found.vertical]!r}: this axis is taken as vertical, and the motion "
+                f"is that of {' and '.join(names[axis] for axis in found.kept)}."
+            )
+    if not whole.unit:
+        notes.append(f"The unit is not stated; it is taken as {found.unit}, in which gravity is right.")
+    scale = 1.0 if whole.unit else UNITS["acceleration"][found.unit][0]
+    return _Motion(scale * found.values, next(iter(UNITS["acceleration"])), meanings, tuple(notes))
+
+
+def _with_axes(columns: MotionColumns, kept: Sequence[int]) -> MotionColumns:
+    return replace(
+        columns,
+        axes=tuple(columns.axes[k] for k in kept),
+        units=tuple(columns.units[k] for k in kept),
     )
-    return replace(record, columns=found.meanings, notes=_notes(found))
 
 
 def motion_record(
