@@ -23,6 +23,7 @@ from .io.api import gust_strain as gust_strain
 from .io.api import load as load
 from .io.api import read as read
 from .io.api import save as save
+from .io.api import simulated_motion as simulated_motion
 from .io.api import stand_risk as stand_risk
 from .io.api import strain as strain
 from .io.api import sway_envelope as sway_envelope

@@ -11,11 +11,21 @@ from galewood.check.sway.predicted import PredictedSway
 from galewood.check.sway.spectrum import AROUND_RESONANCE
 
 COLOURS = {"leaf": "#1b7f5c", "bare": "#c2571a"}
+SIMULATED_COLOUR = "#3b6fb5"
+SCALED_LABEL = "table, scaled to the record's variance"
 GREY_COLOUR = "#8a8a8a"
 
 
-def sway_figure(analysis: SwayAnalysis, predicted: PredictedSway | None = None, title: str = "") -> Any:
-    """The figure of an analysis; with a prediction, its frequency is marked."""
+def sway_figure(
+    analysis: SwayAnalysis,
+    predicted: PredictedSway | None = None,
+    title: str = "",
+    simulated: SwayAnalysis | None = None,
+) -> Any:
+    """The figure of an analysis; with a prediction, its frequency is marked.
+
+    The sway that a table has in the record's wind, ``simulated``, is drawn beside it.
+    """
     from matplotlib.figure import Figure
 
     panels = 2 + (analysis.wind is not None)
@@ -23,6 +33,8 @@ def sway_figure(analysis: SwayAnalysis, predicted: PredictedSway | None = None, 
     axes = figure.subplots(1, panels, squeeze=False)[0]
     _spectrum(axes[0], analysis, predicted)
     _decay(axes[1], analysis)
+    if simulated is not None:
+        _beside(axes, analysis, simulated)
     if analysis.wind is not None:
         axes[2].plot(
             analysis.wind.wind_m_s, analysis.wind.deviation, "o", markersize=4, color=COLOURS["leaf"]
@@ -53,6 +65,25 @@ def _spectrum(panel: Any, analysis: SwayAnalysis, predicted: PredictedSway | Non
     panel.set_xlabel("frequency, Hz", fontsize=8)
     panel.set_ylabel(f"spectral density of the {analysis.record.quantity}{unit}", fontsize=8)
     panel.legend(fontsize=7, frameon=False)
+
+
+def _beside(axes: Any, analysis: SwayAnalysis, simulated: SwayAnalysis) -> None:
+    """Spectrum, decay and answer to the wind of a simulated sway, in the unit of the record."""
+    scale = analysis.along.deviation / max(simulated.along.deviation, 1e-300)
+    frequency, density = simulated.spectra()
+    axes[0].loglog(frequency, scale**2 * density, color=SIMULATED_COLOUR, linewidth=0.8, label=SCALED_LABEL)
+    axes[0].legend(fontsize=7, frameon=False)
+    if decrement := simulated.along.decrement:
+        label = f"table: {decrement.damping_ratio:.2g}"
+        axes[1].plot(
+            decrement.time_s, decrement.deflection, color=SIMULATED_COLOUR, linewidth=0.8, label=label
+        )
+        axes[1].legend(fontsize=7, frameon=False)
+    if analysis.wind is not None and simulated.wind is not None:
+        axes[2].plot(
+            simulated.wind.wind_m_s, scale * simulated.wind.deviation, "o", markersize=3,
+            color=SIMULATED_COLOUR,
+        )  # fmt: skip
 
 
 def _decay(panel: Any, analysis: SwayAnalysis) -> None:

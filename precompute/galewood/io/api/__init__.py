@@ -7,7 +7,7 @@ from galewood.io.api.evaluation import evaluate
 from galewood.io.api.exports import export_tree
 from galewood.io.api.field_reports import field_report
 from galewood.io.api.forests import Forest, Placements, grid
-from galewood.io.api.measured_motion import calibrate
+from galewood.io.api.measured_motion import calibrate, simulated_motion
 from galewood.io.api.models import Model, Motion
 from galewood.io.api.stands import stand_risk
 from galewood.io.api.tables import MotionTable, build, load, save
@@ -32,6 +32,7 @@ __all__ = [
     "load",
     "read",
     "save",
+    "simulated_motion",
     "stand_risk",
     "strain",
     "sway_envelope",

@@ -1,4 +1,4 @@
-"""Wood that moves a model like the recorded motion of the real tree."""
+"""Models beside the recorded motion of the real tree."""
 # pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
@@ -8,9 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from galewood.check.sway import Calibration, SwayAnalysis, analyse_motion, calibrated
+from galewood.check.sway import simulated_motion as motion_of_table
 from galewood.io.api.models import Model
+from galewood.io.api.tables import MotionTable
 from galewood.io.api.trees import Tree
-from galewood.measurements import MotionRecord
+from galewood.measurements import MotionRecord, read_motion
 from galewood.options import USUAL_TETS
 from galewood.solid.fem import FemModel, FemSettings
 from galewood.table import Foliage
@@ -57,3 +59,25 @@ def calibrate(
 
     start = wood or wood_of_species(tree.species or "default")
     return calibrated(analysis, start, model_of, on_progress or (lambda share: None))
+
+
+def simulated_motion(
+    table: MotionTable, record: MotionRecord | str | Path, *, direction_deg: float = 0.0
+) -> MotionRecord:
+    """The sway of a table's tree in the wind of a record, to be analysed like it (``analyse_motion``).
+
+    Args:
+        table: The motion table of the tree.
+        record: A record with a wind, or its file. The wind is taken as that at the top of the tree, and over
+            its whole crown.
+        direction_deg: The wind blows towards (cos θ, 0, sin θ) of the tree.
+
+    Returns:
+        Displacements of the top along x and z at the times of the record; accelerations if it has those.
+
+    Raises:
+        MeasurementError: The file cannot be read (a ValueError).
+        ValueError: The record has no wind.
+    """
+    measured = record if isinstance(record, MotionRecord) else read_motion(record)
+    return motion_of_table(table.table, measured, direction_deg)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # loaded only by the command that needs it
     from galewood.check.sway import AxisSway, Calibration, PredictedSway, SwayAnalysis, WindResponse
     from galewood.wood import Wood
 
+TABLE_SUFFIX = ".gwt"
 OF_TREE = (
     "species", "height_m", "dbh_cm", "foliage", "min_radius_mm", "up_axis", "root_stiffness_knm",
     "target_tets",
@@ -45,7 +46,10 @@ def motion(
     tree: Annotated[
         Path | None,
         typer.Option(
-            exists=True, dir_okay=False, help="Mesh or scan of the tree, to compare with its model."
+            exists=True,
+            dir_okay=False,
+            help="Mesh or scan of the tree, to compare with its model; or its table (.gwt), to simulate its "
+            "sway in the record's wind.",
         ),
     ] = None,
     calibrate: Annotated[
@@ -73,7 +77,8 @@ def motion(
     from galewood.measurements import MeasurementError, read_motion
 
     options = validated(BuildRequest, {**chosen, "wood": wood_document(wood_properties)})
-    if tree is None and calibrate is not None:
+    of_table = tree is not None and tree.suffix.lower() == TABLE_SUFFIX
+    if (tree is None or of_table) and calibrate is not None:
         print_error("There is no tree to calibrate.", "Give its mesh or scan with --tree.")
         raise typer.Exit(2)
     try:
@@ -84,8 +89,16 @@ def motion(
         raise typer.Exit(1) from None
     figures = analysis.figures()
     _print_analysis(record.name, analysis)
-    predicted = None
-    if tree is not None:
+    predicted = simulated = None
+    if tree is not None and of_table:
+        simulated = _simulated(tree, analysis)
+        figures["simulated"] = simulated.figures()
+        _print_axis(f"{tree.stem} simulated in the same wind", simulated.along)
+        if simulated.wind is not None:
+            _print_wind(simulated.wind)
+        for note in simulated.record.notes:
+            print_warning(note)
+    elif tree is not None:
         predicted, calibration = _compared(tree, options, analysis, calibrate is not None, cache_dir)
         figures["model"] = predicted.figures()
         _print_predicted("model", predicted)
@@ -95,8 +108,17 @@ def motion(
         if calibration is not None and calibrate is not None:
             _write_wood(calibrate, calibration.wood, record.name)
     if plot is not None:
-        write_plot(plot, sway_figure(analysis, predicted, record.stem))
+        write_plot(plot, sway_figure(analysis, predicted, record.stem, simulated))
     write_figures(json_out, figures)
+
+
+def _simulated(path: Path, analysis: SwayAnalysis) -> SwayAnalysis:
+    """The sway of a table's tree in the wind of a record, analysed like it."""
+    from galewood.check.sway import analyse_motion
+    from galewood.io.api import load, simulated_motion
+
+    with plain_errors(), console.status(f"Simulating {path.stem}"):
+        return analyse_motion(simulated_motion(load(path), analysis.record))
 
 
 def _columns(chosen: list[str] | None) -> dict[str, str]:
