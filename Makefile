@@ -191,6 +191,7 @@ golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make_gusts
 	$(BIN)/python -m tests.golden.make_linear
 	$(BIN)/python -m tests.golden.make_pull
+	$(BIN)/python -m tests.golden.make_reach
 	$(BIN)/python -m tests.golden.make_walks
 	$(BIN)/python -m tests.golden.make_wind
 	$(BIN)/python -m tests.golden.make_wire

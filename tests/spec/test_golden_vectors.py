@@ -14,6 +14,7 @@ from tests.golden import GOLDEN_FOLDER
 from tests.golden.make import sway_steps, wind_vectors
 from tests.golden.make_drawn import drawn_vectors
 from tests.golden.make_pull import hand, responses
+from tests.golden.make_reach import reach_vectors
 
 TESTS = Path(__file__).parents[1]
 LIST = (GOLDEN_FOLDER / "README.md").read_text(encoding="utf-8")
@@ -60,6 +61,10 @@ def test_pressures_of_cosine_winds() -> None:
 
 def test_drawn_vertices() -> None:
     assert_close(drawn_vectors(), golden("drawn.json"))
+
+
+def test_reach_in_gusts() -> None:
+    assert_close(reach_vectors(), golden("reach.json"), 1e-5)
 
 
 def test_responses_to_pulls() -> None:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from galewood.check.envelope.hours import WindClass
-from galewood.motion.wind import PRESETS, WindField
+from galewood.motion.wind import PRESETS, Wind, WindField
 from galewood.player import WindDrivenTrees
-from galewood.solid.skinning import vertex_rows
+from galewood.solid.skinning import drawn_tracks
 from galewood.table import Table
 from galewood.util import Floats, Int64s
 
@@ -89,11 +89,9 @@ def sway_envelope(
     )
 
 
-def _in_class(
-    table: Table, outline: _Outline, one: WindClass, count: int, seconds: float, seed: int
-) -> Floats:
-    """(count, b, d) largest reach of each tree."""
-    wind = replace(
+def gusts_in_class(one: WindClass, seed: int) -> Wind:
+    """The gusts of a class of wind."""
+    return replace(
         PRESETS["autumn-gusts"],
         mean_speed_m_s=one.speed_m_s,
         reference_height_m=WIND_HEIGHT_M,
@@ -101,10 +99,21 @@ def _in_class(
         direction_deg=one.direction_deg,
         seed=seed,
     )
+
+
+def places_in_class(one: WindClass, count: int) -> Floats:
+    """(count, 4) x, z (m), yaw and scale of the trees in a class of wind."""
     angle = np.radians(one.direction_deg)
     place = APART_M * (np.arange(count) - count / 2)[:, None] * np.array([-np.sin(angle), np.cos(angle)])
-    rows = np.column_stack([place, np.zeros(count), np.ones(count)])
-    forest, field = WindDrivenTrees(table, rows), WindField(wind)
+    return np.column_stack([place, np.zeros(count), np.ones(count)])
+
+
+def _in_class(
+    table: Table, outline: _Outline, one: WindClass, count: int, seconds: float, seed: int
+) -> Floats:
+    """(count, b, d) largest reach of each tree."""
+    forest = WindDrivenTrees(table, places_in_class(one, count))
+    field = WindField(gusts_in_class(one, seed))
     dt_s = float(table.metadata["dt_s"])
     every = max(1, round(LOOK_INTERVAL_S / dt_s))
     largest = np.full((count, *outline.rest().shape), -np.inf)
@@ -126,17 +135,17 @@ class _Outline:
         self.height_m: Floats = np.linspace(low, high, BAND_COUNT + 1)
         band = np.clip(np.searchsorted(self.height_m, rest_m[:, 1]) - 1, 0, BAND_COUNT - 1)
         chosen = _outermost(rest_m, band, self._toward)
-        self._rest = rest_m[chosen][:, [0, 2]]
-        self._rows = vertex_rows(table, rest_m)[chosen][:, [0, 2]].astype(np.float64)
+        self._rest, self._modes = rest_m[chosen], len(table.mode_scale)
+        self._skin = replace(table, vertex_joint=table.vertex_joint[chosen])
         self._filled, self._starts = np.unique(band[chosen], return_index=True)
 
     def rest(self) -> Floats:
         """(b, d) reach at rest; 0 where there is no wood or leaf."""
-        return self.reach(np.zeros((1, self._rows.shape[2])))[0]
+        return self.reach(np.zeros((1, self._modes)))[0]
 
     def reach(self, q: Floats) -> Floats:
-        """(n, b, d) reach in the poses q (n, r)."""
-        moved = self._rest + np.einsum("vir,nr->nvi", self._rows, q)
+        """(n, b, d) reach of the vertices as they are drawn in the poses q (n, r)."""
+        moved = drawn_tracks(self._skin, self._rest, q)[:, :, [0, 2]]
         own = np.maximum.reduceat(moved @ self._toward, self._starts, axis=1)
         found = np.zeros((len(q), BAND_COUNT, REACH_DIRECTIONS))
         found[:, self._filled] = own

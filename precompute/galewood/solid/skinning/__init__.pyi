@@ -16,6 +16,7 @@ from .embedding import points_embedding as points_embedding
 from .embedding import render_embedding as render_embedding
 from .node_poses import Pose as Pose
 from .node_poses import drawn_positions as drawn_positions
+from .node_poses import drawn_tracks as drawn_tracks
 from .node_poses import joint_pose as joint_pose
 from .node_poses import joint_rows as joint_rows
 from .node_poses import node_pose as node_pose

@@ -117,6 +117,22 @@ def drawn_positions(skin: SkinLike, rest_m: Floats, q: npt.ArrayLike, factor: fl
     return (place + pose.moved_m)[joint] + turned(rest_m - place[joint], pose.turned[joint])
 
 
+def drawn_tracks(skin: SkinLike, rest_m: Floats, q: Floats) -> Floats:
+    """(k, v, 3) where the vertices ``rest_m`` (v, 3) are drawn in each of the poses q (k, r)."""
+    rest, place = skin.node_rest_m.astype(np.float64), skin.joint_rest_m.astype(np.float64)
+    moved, stretch = limit_stretch(rest, skin.node_parent.astype(np.int64), skin.node_basis @ q.T)
+    turns = (skin.node_turn @ q.T) / stretch[:, None]
+    first, second = skin.joint_nodes.astype(np.int64).T
+    share = skin.joint_share.astype(np.float64)[:, None, None]
+    joint = skin.vertex_joint.astype(np.int64)
+    moved_of, turn_of = (
+        ((1 - share) * nodes[first] + share * nodes[second])[joint].transpose(2, 0, 1)
+        for nodes in (moved, turns)
+    )
+    drawn = place[joint] + moved_of + turned(rest_m - place[joint], turn_of)
+    return np.asarray(drawn, np.float64)
+
+
 def joint_rows(skin: SkinLike, rows: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """(j, 3, r) rows of the joints from those of the nodes (n, 3, r): of the basis or of the turns."""
     first, second = skin.joint_nodes.astype(np.int64).T
