@@ -105,7 +105,7 @@ def places_in_class(one: WindClass, count: int) -> Floats:
     """(count, 4) x, z (m), yaw and scale of the trees in a class of wind."""
     angle = np.radians(one.direction_deg)
     place = APART_M * (np.arange(count) - count / 2)[:, None] * np.array([-np.sin(angle), np.cos(angle)])
-    return np.column_stack([place, np.zeros(count), np.ones(count)])
+    return np.asarray(np.column_stack([place, np.zeros(count), np.ones(count)]), np.float64)
 
 
 def _in_class(
