@@ -140,9 +140,13 @@ def test_the_code_of_the_wind_risk_page_runs_as_a_file(folder: Path) -> None:
     )
     ((script, options),) = grow
     run(folder, str(ROOT / "docs" / "examples" / script), *options.split())
-    printed = run_file(folder, "\n".join(python_blocks(page)))
-    breast_height, stem, boughs = (float(text) for text in re.findall(r"(?:^|strain=)([0-9.e-]+)", printed))
+    steady, gusts = run_file(folder, "\n".join(python_blocks(page))).splitlines()
+    breast_height, stem, boughs = (float(text) for text in re.findall(r"(?:^|strain=)([0-9.e-]+)", steady))
     assert 0 < breast_height < stem < boughs < 0.01
+    factor, stem_in_gusts, boughs_in_gusts = (
+        float(text) for text in re.findall(r"(?:^|strain=)([0-9.e-]+)", gusts)
+    )
+    assert 2 < factor < 6 and stem < stem_in_gusts < boughs_in_gusts < 0.02
 
 
 def test_the_code_of_the_motion_page_runs_as_a_file(folder: Path) -> None:
