@@ -69,6 +69,8 @@ class GustStrain:
     in_gust: TreeStrain | None
     frequency_hz: float
     """First natural frequency in the mean wind."""
+    rupture_strain: float
+    """Of green wood, without knots: where the series exceeds it, the tree would have broken."""
 
     @property
     def mean_m_s(self) -> float:
@@ -125,6 +127,7 @@ class GustStrain:
             "gust_m_s": self.gust_m_s,
             "seconds": float(self.time_s[-1] - self.time_s[0]),
             "frequency_hz": self.frequency_hz,
+            "rupture_strain": self.rupture_strain,
             "peaks": peaks,
             "breast_height": None
             if breast is None
@@ -254,4 +257,5 @@ class _Series:
             in_mean,
             in_gust,
             frequency_hz,
+            rods.wood.rupture_strain,
         )

@@ -192,6 +192,11 @@ def _print_gusts(name: str, found: GustStrain, analysis: SwayAnalysis | None) ->
                 f"{peak.rms:.5f}; {peak.over_mean:.2f} times the largest in the steady mean wind{of_gust}",
                 soft_wrap=True,
             )
+            if at.strain > found.rupture_strain:
+                print_warning(
+                    f"This is more than the rupture strain of the wood, {found.rupture_strain:.4f}: it would "
+                    "have broken."
+                )
     if analysis is not None and (resonance := analysis.along.resonance):
         console.print(
             f"spectrum of the strain at 1.3 m: peak at {resonance.frequency_hz:.3f} Hz, damping ratio "
