@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:  # loaded only by the command that needs it
 USUAL_GUSTS = "autumn-gusts"
 USUAL_SPEED_M_S = 15.0
 PART_NAMES: dict[Literal["stem", "boughs"], str] = {"stem": "stem", "boughs": "boughs of 4 cm and more"}
+NEAR_RATIO = 1.4
+"""A resonance farther from the first frequency is that of another mode."""
 CSV_COLUMNS = ("height_m", "x_m", "z_m", "branch", "part", "diameter_cm", "moment_nm", "strain", "stress_mpa")
 FEWEST_ANALYSED = 256
 """Values that an analysis of a motion needs."""
@@ -100,7 +103,10 @@ def strain(
         found, analysis = _in_gusts(tree, options, wind)
         figures = found.figures()
         if analysis is not None:
-            figures["breast_height"]["sway"] = analysis.along.figures()
+            figures["breast_height"] |= {
+                "spectrum_peak_hz": _spectrum_peak_hz(analysis),
+                "sway": analysis.along.figures(),
+            }
         if series is not None:
             _write_series(series, found)
         _print_gusts(name, found, analysis)
@@ -197,11 +203,29 @@ def _print_gusts(name: str, found: GustStrain, analysis: SwayAnalysis | None) ->
                     f"This is more than the rupture strain of the wood, {found.rupture_strain:.4f}: it would "
                     "have broken."
                 )
-    if analysis is not None and (resonance := analysis.along.resonance):
-        console.print(
-            f"spectrum of the strain at 1.3 m: peak at {resonance.frequency_hz:.3f} Hz, damping ratio "
-            f"{resonance.damping_ratio:.2f}"
-        )
+    if analysis is not None:
+        _print_spectrum(found.frequency_hz, analysis)
+
+
+def _spectrum_peak_hz(analysis: SwayAnalysis) -> float:
+    """Where frequency times spectral density is largest: most of the variance is near."""
+    frequency, density = analysis.spectra()
+    return float(frequency[(frequency * density).argmax()])
+
+
+def _print_spectrum(first_hz: float, analysis: SwayAnalysis) -> None:
+    resonance = analysis.along.resonance
+    near = resonance is not None and abs(math.log(resonance.frequency_hz / first_hz)) < math.log(NEAR_RATIO)
+    answer = (
+        f"resonance at {resonance.frequency_hz:.2f} Hz, damping ratio {resonance.damping_ratio:.2f}"
+        if resonance is not None and near
+        else "no clear resonance near the tree's frequency: drag damps it"
+    )
+    console.print(
+        f"spectrum of the strain at 1.3 m: peak at {_spectrum_peak_hz(analysis):.2f} Hz (of frequency times "
+        f"density); {answer}",
+        soft_wrap=True,
+    )
 
 
 def _write_series(path: Path, found: GustStrain) -> None:
