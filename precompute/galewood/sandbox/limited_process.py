@@ -30,7 +30,7 @@ from galewood.sandbox.results import (
     remove_folder,
     written_bytes,
 )
-from galewood.util import GuardedProcess, MeshError, shown_text
+from galewood.util import Cancelled, GuardedProcess, MeshError, shown_text
 
 log = logging.getLogger("galewood.import")
 
@@ -68,13 +68,16 @@ class Limits:
         return WALL_S_PER_CPU_S * self.cpu_s if self.wall_s is None else self.wall_s
 
 
-def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) -> Arrays:
+def run_limited(
+    target: str, arguments: Arrays, limits: Limits, *, what: str, wanted: Callable[[], bool] = lambda: True
+) -> Arrays:
     """Call `target` ("module:function", Arrays to Arrays) in a child process and return its result.
 
     Raises the MeshError that the function raised, or a MeshError that says that the child exceeded a limit,
-    was killed or crashed; `what` names the work in that message.
+    was killed or crashed; `what` names the work in that message. Once the result is no longer `wanted`, the
+    child is ended, and Cancelled raised.
     """
-    return in_folder(lambda folder: run_child(target, folder, limits), arguments, limits, what)
+    return in_folder(lambda folder: run_child(target, folder, limits, wanted), arguments, limits, what)
 
 
 Ended = tuple[int, str]
@@ -104,7 +107,7 @@ def in_folder(run: Callable[[Path], Ended], arguments: Arrays, limits: Limits, w
         remove_folder(folder)
 
 
-def run_child(target: str, folder: Path, limits: Limits) -> Ended:
+def run_child(target: str, folder: Path, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Ended:
     """Run a child of its own in its folder."""
     module = "galewood.sandbox.child"
     program = [sys.executable, "-m", module, target, str(limits.memory_bytes), str(limits.cpu_s)]
@@ -113,8 +116,17 @@ def run_child(target: str, folder: Path, limits: Limits) -> Ended:
         (folder / STDERR_FILE).open("w+b") as errors,
         GuardedProcess(program, cwd=folder, environment=environment, errors=errors) as child,
     ):
-        code = wait_limited(child.wait, child, folder, limits)
+        code = wait_limited(_while_wanted(child.wait, wanted), child, folder, limits)
     return code, end_of_stderr(folder)
+
+
+def _while_wanted(wait: Callable[[float], int], wanted: Callable[[], bool]) -> Callable[[float], int]:
+    def waited(timeout_s: float) -> int:
+        if not wanted():
+            raise Cancelled
+        return wait(timeout_s)
+
+    return waited
 
 
 def environment_in(folder: Path) -> dict[str, str]:

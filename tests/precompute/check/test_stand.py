@@ -5,9 +5,9 @@ from __future__ import annotations
 import csv
 import json
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -17,17 +17,22 @@ from galewood.check.stand import (
     edge_distances_m,
     form_of_rods,
     shelter_factor,
+    ship_forms,
+    shipped_forms,
     stand_report,
     write_report,
 )
-from galewood.io.api.stands import builtin_form
+from galewood.check.stand.form_file import forms_key, shipped_key
+from galewood.check.stand.forms import MEDIAN_SAMPLE
+from galewood.io.cli.builtin_form import builtin_form
 from galewood.io.cli.commands import app
 from galewood.measurements import read_inventory, wood_species_of
 from galewood.options import ImportRequest
 from galewood.packaged import species_folder
-from galewood.pipeline.stages import builtin_meshes
-from galewood.solid.strain import WindRods, wind_rods
+from galewood.pipeline.stages import BuiltinMesh, builtin_meshes
+from galewood.solid.strain import WindRods, samples, wind_rods
 from galewood.solid.strain.standing import standing_rods
+from galewood.table import Foliage
 from galewood.tree.importer import read_tree
 from galewood.wood import SPECIES, wood_of_species
 from typer.testing import CliRunner
@@ -99,7 +104,13 @@ def test_a_critical_wind_gives_the_rupture_strain(form: TreeForm) -> None:
     assert np.isfinite(critical)
     assert tree.strain_at(critical, 0.8) == pytest.approx(tree.wood.rupture_strain, rel=1e-6)
     assert tree.critical_m_s(0.5) > critical
-    assert tree.critical_m_s(0.8, drag=1.3) < critical < tree.critical_m_s(0.8, rupture=1.2)
+    heavier = tree.critical_m_s(0.8, MEDIAN_SAMPLE._replace(drag=1.3))
+    stronger = tree.critical_m_s(0.8, MEDIAN_SAMPLE._replace(rupture=1.2))
+    assert heavier < critical < stronger
+    possible = [*samples(20, SEED), MEDIAN_SAMPLE._replace(rupture=50.0)]
+    found = tree.all_critical_m_s(0.8, possible)
+    assert list(found) == [tree.critical_m_s(0.8, one) for one in possible]
+    assert np.isfinite(found[0]) and np.isinf(found[-1])
 
 
 def test_shelter_is_that_of_the_wind_tunnel() -> None:
@@ -148,7 +159,39 @@ def stand_csv(names: tuple[str, ...], count: int = 300) -> bytes:
 
 @pytest.fixture(scope="module")
 def forms() -> dict[str, TreeForm]:
-    return {name: builtin_form(name, "bare") for name in ("maple-forest", "poplar-forest", "apricot-forest")}
+    return shipped_forms("bare")
+
+
+def test_shipped_forms_are_those_of_the_built_in_trees(tmp_path: Path) -> None:
+    folder = species_folder()
+    meshes = builtin_meshes(folder)
+    assert shipped_key(folder) == forms_key(meshes), "run `galewood ship`"
+    with pytest.raises(FileNotFoundError, match="galewood ship"):
+        shipped_forms("leaf", tmp_path)
+    mesh = {mesh.name: mesh for mesh in meshes}["poplar-forest"]
+    for foliage in get_args(Foliage):
+        found, bent = shipped_forms(foliage)[mesh.name], builtin_form(mesh, foliage)
+        assert (found.name, found.wood) == (bent.name, bent.wood)
+        for name in {field.name for field in fields(TreeForm)} - {"name", "wood"}:
+            np.testing.assert_allclose(getattr(found, name), getattr(bent, name), rtol=1e-4, err_msg=name)
+
+
+def test_forms_are_written_once(tmp_path: Path, form: TreeForm) -> None:
+    (tmp_path / "small.obj").write_bytes(b"mesh")
+    entry = {"id": "small", "file": "small.obj", "species": "maple", "height_m": 3.0}
+    (tmp_path / "species.json").write_text(json.dumps([entry]))
+    (tmp_path / "shipped").mkdir()
+
+    def bend(mesh: BuiltinMesh, foliage: Foliage) -> TreeForm:
+        return replace(form, name=mesh.name, frequency_hz=1.0 if foliage == "leaf" else 2.0)
+
+    assert ship_forms(tmp_path, bend)
+    assert not ship_forms(tmp_path, bend)
+    found = shipped_forms("bare", tmp_path)["small"]
+    assert (found.frequency_hz, found.name, found.wood) == (2.0, "small", form.wood)
+    np.testing.assert_allclose(found.strain, form.strain, rtol=1e-6)
+    (tmp_path / "small.obj").write_bytes(b"another mesh")
+    assert ship_forms(tmp_path, bend)
 
 
 @pytest.mark.parametrize("names", [GERMAN, LATIN])

@@ -6,11 +6,12 @@ from __future__ import annotations
 import json
 import math
 import random
+import re
 import subprocess
 import sys
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from galewood.measurements.inventory import InventoryError, Stem, local_m, match_species, read_inventory
@@ -342,9 +343,47 @@ def test_the_document_has_the_fields_of_its_format() -> None:
         assert f"`{field.name}`" in page, field.name
     assert document["stems"][0] == {
         "line": 2, "east_m": -3.0, "north_m": -4.0, "species": "maple", "builtin": "maple", "height_m": 12.0,
-        "slender": False, "dbh_cm": 30.0,
+        "slender": False, "dbh_cm": 30.0, "height_estimated": False,
     }  # fmt: skip
     assert document["report"]["figures"]["Trees"] == "3 of 3 rows"
+
+
+def test_a_document_is_read_as_the_file_it_was_made_from() -> None:
+    file = b"x,y,species,height,dbh\n0,0,Bergahorn,12,30\n9,4,Fichte,,41\n5,-5,,9,\n1,2,,,\n"
+    found = read_inventory(file)
+    document = json.dumps(found.document())
+    again = read_inventory(document.encode())
+    assert again.stems == found.stems and again.lon_lat_deg == (None,) * 3
+    assert [stem.height_estimated for stem in again.stems] == [False, True, False]
+    for name in ("notes", "per_ha", "estimated_heights", "substitutes", "highest_m"):
+        assert getattr(again.report, name) == getattr(found.report, name), name
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"version": 2}, "version: this reader knows version 1, not 2"),
+        ({"stems": []}, "stems: expected at least one"),
+        ({"stems": [1]}, "stems[0]: expected an object"),
+        ({"stems": [{}]}, "stems[0].line is missing: write the document again with `galewood convert`"),
+        ({"height_m": "9"}, "stems[0].height_m: expected a number"),
+        ({"height_m": float("nan")}, "stems[0].height_m: expected a number"),
+        ({"height_m": 10**400}, "stems[0].height_m: expected a number"),
+        ({"height_m": 900.0}, "stems[0].height_m: 900 is not between 0.5 and 120"),
+        ({"dbh_cm": 0}, "stems[0].dbh_cm: 0 is not between 0.001 and 1200"),
+        ({"builtin": "palm"}, "stems[0].builtin: expected one of poplar, maple, apricot"),
+        ({"species": 3}, "stems[0].species: expected a text"),
+        ({"slender": 1}, "stems[0].slender: expected true or false"),
+    ],
+)
+def test_errors_of_documents_name_the_field(change: dict[str, object], message: str) -> None:
+    document = read_inventory(FILES["plain"][0].encode()).document()
+    stem = {**cast("list[dict[str, object]]", document["stems"])[0]}
+    ours = {"version", "stems"}
+    document["stems"] = [{**stem, **{k: v for k, v in change.items() if k not in ours}}]
+    document |= {k: v for k, v in change.items() if k in ours}
+    with pytest.raises(InventoryError, match=re.escape(message)):
+        read_inventory(json.dumps(document).encode())
 
 
 def test_places_heights_and_units_are_kept() -> None:

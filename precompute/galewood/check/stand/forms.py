@@ -15,6 +15,7 @@ The first frequency is κ/k² · √(E ρ₀/(E₀ ρ)) · √((1 − ν)/(1 −
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ import numpy as np
 from galewood.motion.wind import dynamic_pressure, speed_of_pressure
 from galewood.solid.beams import NoEquilibrium
 from galewood.solid.fem import remaining_share
-from galewood.solid.strain import TreeStrain, WindRods, strain_in_wind
+from galewood.solid.strain import Sample, TreeStrain, WindRods, strain_in_wind
 from galewood.util import Floats
 from galewood.wood import Wood
 
@@ -33,6 +34,7 @@ STRONGEST_M_S = 100.0
 DIRECTIONS_DEG = (0.0, 90.0, 180.0, 270.0)
 CHOSEN_AT_M_S = 15.0
 """Wind in which the least favourable direction is sought."""
+MEDIAN_SAMPLE = Sample(1.0, 1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -101,23 +103,23 @@ class ScaledTree:
         scale = self.thickening**4 / self.stretch * self._stiffer
         return scale * self._of_form(self.form.moment_nm, wind_m_s, shelter)
 
-    def critical_m_s(
-        self, shelter: float = 1.0, *, rupture: float = 1.0, drag: float = 1.0, young: float = 1.0
-    ) -> float:
-        """Gust at the top at which the largest strain reaches the rupture strain; inf: not up to 100 m/s.
+    def critical_m_s(self, shelter: float = 1.0, possible: Sample = MEDIAN_SAMPLE) -> float:
+        """Gust at the top at which the largest strain reaches the rupture strain; inf: not up to 100 m/s."""
+        return float(self.all_critical_m_s(shelter, [possible])[0])
 
-        ``rupture``, ``drag`` and ``young`` are factors of a possible tree.
-        """
+    def all_critical_m_s(self, shelter: float, possible: Sequence[Sample]) -> Floats:
+        """(n,) the same of n possible trees."""
         form = self.form
+        young, rupture, own_drag, leaf_area = np.array(possible).T
         limit = rupture * self.wood.rupture_strain / young * self.stretch / self.thickening
-        if limit > form.strain[-1]:
-            return float("inf")
-        remaining = remaining_share(self.load_factor / young) / remaining_share(self.load_factor)
+        remaining = np.array([remaining_share(one) for one in self.load_factor / young])
+        remaining /= remaining_share(self.load_factor)
+        drag = own_drag * (1 + form.leaf_share * (leaf_area - 1))
         factor = shelter * drag * self.pressure_factor / young / remaining
         speeds, strains = np.concatenate([[0.0], form.wind_m_s]), np.concatenate([[0.0], form.strain])
-        pressure_pa = float(dynamic_pressure(np.interp(limit, strains, speeds), form.streamlined_exponent))
-        found = float(speed_of_pressure(pressure_pa / factor, form.streamlined_exponent))
-        return found if found <= STRONGEST_M_S else float("inf")
+        pressure_pa = dynamic_pressure(np.interp(limit, strains, speeds), form.streamlined_exponent) / factor
+        found = np.array([speed_of_pressure(one, form.streamlined_exponent) for one in pressure_pa])
+        return np.where((limit > strains[-1]) | (found > STRONGEST_M_S), np.inf, found)
 
     def _of_form(self, values: Floats, wind_m_s: float, shelter: float) -> float:
         """A value of the form in the wind that bends it to this tree's shape."""

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from galewood.check.stand.forms import ScaledTree, TreeForm
+from galewood.check.stand.forms import MEDIAN_SAMPLE, ScaledTree, TreeForm
 from galewood.check.stand.shelter import edge_distances_m, shelter_factor
-from galewood.measurements import Inventory, Stem, StemSource, wood_species_of
+from galewood.measurements import Inventory, Stem, wood_species_of
 from galewood.solid.strain import CAUTION_TEXT, DIRECTIONS_DEG, QUANTILES, Sample, samples
 from galewood.util import Floats
 from galewood.wood import wood_of_species
@@ -65,6 +65,8 @@ class StemRisk:
     """
 
     rank: int
+    index: int
+    """Of the stem in the inventory, from 0."""
     line: int
     species: str
     tree: str
@@ -80,6 +82,9 @@ class StemRisk:
     """By a curve, from the diameter."""
     dbh_cm: float
     dbh_assumed: bool
+    """By the proportions of the tree."""
+    rough: bool
+    """Less than half or more than twice as high as the tree, so that its figures are rough."""
     frequency_hz: float
     edge_distance_m: float
     load_share: float
@@ -129,12 +134,14 @@ def stand_report(
     spacing_m = 100.0 / float(np.sqrt(inventory.report.per_ha))
     place = np.array([(stem.east_m, -stem.north_m) for stem in stems])
     edge, share, direction = _exposed(place, height_m, spacing_m, chosen)
-    possible = samples(chosen.sample_count, chosen.seed)
+    possible = [
+        one._replace(rupture=chosen.knot_factor * one.rupture)
+        for one in samples(chosen.sample_count, chosen.seed)
+    ]
     found = [
         _risk(
             stem,
-            inventory.sources[k],
-            forms[form_name(stem)],
+            forms[_form_name(stem)],
             float(edge[k]),
             float(share[k]),
             float(direction[k]),
@@ -143,10 +150,15 @@ def stand_report(
         )
         for k, stem in enumerate(stems)
     ]
-    found.sort(key=lambda one: (one.critical_m_s, -one.strain))
-    ranked = tuple(replace(one, rank=k + 1) for k, one in enumerate(found))
+    order = sorted(range(len(found)), key=lambda k: (found[k].critical_m_s, -found[k].strain))
+    ranked = tuple(_placed(found[k], rank, k, inventory) for rank, k in enumerate(order, 1))
     notes = (*_notes(ranked, forms), *inventory.report.notes)
     return StandReport(ranked, chosen, inventory.report.per_ha, height_m, ASSUMPTIONS + notes)
+
+
+def _placed(stem: StemRisk, rank: int, index: int, inventory: Inventory) -> StemRisk:
+    lon_deg, lat_deg = inventory.lon_lat_deg[index] or (None, None)
+    return replace(stem, rank=rank, index=index, lon_deg=lon_deg, lat_deg=lat_deg)
 
 
 def _notes(stems: tuple[StemRisk, ...], forms: Mapping[str, TreeForm]) -> list[str]:
@@ -160,15 +172,14 @@ def _notes(stems: tuple[StemRisk, ...], forms: Mapping[str, TreeForm]) -> list[s
     if average := sorted({stem.species or "unknown species" for stem in stems if stem.wood == "default"}):
         more = f" and {len(average) - MOST_LISTED} more" if len(average) > MOST_LISTED else ""
         notes.append(f"Average wood for {', '.join(average[:MOST_LISTED])}{more}.")
-    low, high = USUAL_STRETCH
-    if far := sum(not low <= stem.height_m / forms[stem.tree].height_m <= high for stem in stems):
+    if far := sum(stem.rough for stem in stems):
         notes.append(
             f"{far} stems are less than half or more than twice as high as their tree: rough figures."
         )
     return notes
 
 
-def form_name(stem: Stem) -> str:
+def _form_name(stem: Stem) -> str:
     """The built-in tree that stands for a stem."""
     return f"{stem.builtin}-forest" if stem.slender else stem.builtin
 
@@ -188,7 +199,6 @@ def _exposed(
 
 def _risk(
     stem: Stem,
-    source: StemSource,
     form: TreeForm,
     edge_m: float,
     share: float,
@@ -196,36 +206,28 @@ def _risk(
     options: StandOptions,
     possible: list[Sample],
 ) -> StemRisk:
-    assumed = stem.dbh_cm is None
-    lon_deg, lat_deg = source.lon_lat_deg or (None, None)
     dbh_m = form.dbh_m * stem.height_m / form.height_m if stem.dbh_cm is None else stem.dbh_cm / 100
     tree = form.scaled(stem.height_m, dbh_m, wood_of_species(wood_species_of(stem.species)))
-    knots = options.knot_factor
-    critical = [
-        tree.critical_m_s(
-            share,
-            rupture=knots * one.rupture,
-            drag=one.drag * (1 + form.leaf_share * (one.leaf_area - 1)),
-            young=one.young,
-        )
-        for one in possible
-    ]
-    middle = tree.critical_m_s(share, rupture=knots)
-    low, _, high = np.quantile(critical or [middle], QUANTILES, method="nearest")
+    median = MEDIAN_SAMPLE._replace(rupture=options.knot_factor)
+    middle = tree.critical_m_s(share, median)
+    critical = tree.all_critical_m_s(share, possible or [median])
+    low, _, high = np.quantile(critical, QUANTILES, method="nearest")
     return StemRisk(
         rank=0,
+        index=0,
         line=stem.line,
         species=stem.species,
         tree=form.name,
         wood=tree.wood.name,
         east_m=stem.east_m,
         north_m=stem.north_m,
-        lon_deg=lon_deg,
-        lat_deg=lat_deg,
+        lon_deg=None,
+        lat_deg=None,
         height_m=stem.height_m,
-        height_estimated=not source.height_measured,
+        height_estimated=stem.height_estimated,
         dbh_cm=100 * dbh_m,
-        dbh_assumed=assumed,
+        dbh_assumed=stem.dbh_cm is None,
+        rough=not USUAL_STRETCH[0] <= tree.stretch <= USUAL_STRETCH[1],
         frequency_hz=tree.frequency_hz,
         edge_distance_m=edge_m,
         load_share=share,

@@ -36,6 +36,8 @@ COLUMNS = (
     ("base moment, kN·m", "base_moment_knm"), ("largest strain", "strain"),
     ("breaks at, m/s", "critical_m_s"), ("10 %", "critical_low_m_s"), ("90 %", "critical_high_m_s"),
 )  # fmt: skip
+PLACE_DIGITS = 10
+"""Of longitudes and latitudes: five are ten metres."""
 TEXT_COLUMNS = ("species", "tree")
 NO_LONGITUDES_TEXT = "the inventory has no longitudes and latitudes for GeoJSON: write .csv or .html"
 ESTIMATED_TEXT = "* not measured: height from the diameter, or diameter from the built-in tree's proportions"
@@ -68,15 +70,16 @@ def table_text(report: StandReport) -> str:
     table = csv.writer(out, lineterminator="\n")
     table.writerow(names)
     for stem in report.stems:
-        table.writerow([_cell(value) for value in asdict(stem).values()])
+        table.writerow([_cell(name, value) for name, value in asdict(stem).items()])
     return out.getvalue()
 
 
-def _cell(value: object) -> str:
+def _cell(name: str, value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.5g}" if np.isfinite(value) else ""
+        digits = PLACE_DIGITS if name in ("lon_deg", "lat_deg") else 5
+        return f"{value:.{digits}g}" if np.isfinite(value) else ""
     return "" if value is None else str(value)
 
 

@@ -165,8 +165,11 @@ def ship(
 ) -> None:
     """Build the tables that are distributed with the built-in trees, where they are out of date.
 
-    Then write light copies of their meshes, if any has none.
+    Then write light copies of their meshes, if any has none, and the bending of the trees (for stands), if it
+    is out of date.
     """
+    from galewood.check.stand import ship_forms
+    from galewood.io.cli.builtin_form import builtin_form
     from galewood.pipeline.results import LIGHT_FOLDER, SHIPPED_FOLDER
     from galewood.pipeline.stages import builtin_meshes, outdated, ship_light
 
@@ -182,6 +185,10 @@ def ship(
         console.print("All shipped tables are up to date.")
     if ship_light(species_dir):
         console.print(f"light meshes: written to {species_dir / LIGHT_FOLDER}")
+    with console.status("Bending the trees"):
+        bent = ship_forms(species_dir, builtin_form)
+    if bent:
+        console.print(f"bending of the trees: written to {species_dir / SHIPPED_FOLDER}")
 
 
 def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:

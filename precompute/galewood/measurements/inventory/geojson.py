@@ -10,13 +10,17 @@ from galewood.measurements.inventory.errors import InventoryError
 from galewood.util import Row, shown_text
 
 
-def rows_of_geojson(text: str) -> list[Row]:
-    """A row of names, then one row per feature, whose line is its number. InventoryError."""
+def json_object(text: str) -> Mapping[str, Any]:
+    """The JSON object that a file holds. InventoryError."""
     try:
-        document: Any = json.loads(text)
+        return _mapping(json.loads(text))
     except (ValueError, RecursionError):
         raise InventoryError("the file is not valid JSON") from None
-    features = document.get("features") if isinstance(document, dict) else None
+
+
+def rows_of_geojson(document: Mapping[str, Any]) -> list[Row]:
+    """A row of names, then one row per feature, whose line is its number. InventoryError."""
+    features = document.get("features")
     if not isinstance(features, list):
         raise InventoryError("expected a GeoJSON FeatureCollection of points")
     listed = [_mapping(feature) for feature in cast("list[object]", features)]

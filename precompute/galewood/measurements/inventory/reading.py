@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
-from galewood.constants import INVENTORY_VERSION
 from galewood.measurements.inventory.columns import LENGTHS_M, Columns, find_header
+from galewood.measurements.inventory.document import inventory_of_document
 from galewood.measurements.inventory.errors import InventoryError
-from galewood.measurements.inventory.geojson import rows_of_geojson
+from galewood.measurements.inventory.geojson import json_object, rows_of_geojson
 from galewood.measurements.inventory.heights import HeightCurve, assumed_height_m, fitted_curves
 from galewood.measurements.inventory.projection import local_m
 from galewood.measurements.inventory.report import (
@@ -20,64 +20,26 @@ from galewood.measurements.inventory.report import (
     Skipped,
     figures_of,
     notes_of,
+    stems_per_ha,
     substitutes_of,
 )
 from galewood.measurements.inventory.species import match_species
+from galewood.measurements.inventory.stems import (
+    FARTHEST_M,
+    HIGHEST_M,
+    LOWEST_M,
+    MOST_STEMS,
+    THICKEST_M,
+    Inventory,
+    Stem,
+)
 from galewood.util import Row, decoded, number_of, rows_of
 
 LARGEST_BYTES = 32 * 1024**2
-MOST_STEMS = 20_000
-FARTHEST_M = 1000.0
-"""Stems farther than this from the middle are left out."""
-LOWEST_M, HIGHEST_M = 0.5, 120.0
-THICKEST_M = 12.0
 SLENDER_HEIGHT_PER_DIAMETER = 65.0
 """Above it a tree has grown in a stand; assumed."""
 DENSE_PER_HA = 200.0
 """Trees without a measured height or diameter are slender in denser stands; assumed."""
-
-
-@dataclass(frozen=True)
-class Stem:
-    """A tree of the inventory, placed relative to the middle of the plot."""
-
-    line: int
-    """Of the file; the number of the feature in a GeoJSON file."""
-    east_m: float
-    north_m: float
-    species: str
-    """As in the file."""
-    builtin: str
-    """The built-in species that stands for it."""
-    height_m: float
-    slender: bool
-    """Whether it has grown in a stand."""
-    dbh_cm: float | None = None
-    """Diameter at 1.3 m; None: not measured."""
-
-
-@dataclass(frozen=True)
-class StemSource:
-    """What the file says of a stem beside what is shown of it."""
-
-    lon_lat_deg: tuple[float, float] | None
-    """Its longitude and latitude; None: the file has metres."""
-    height_measured: bool
-
-
-@dataclass(frozen=True)
-class Inventory:
-    """The trees of an inventory, and how its file was interpreted."""
-
-    stems: tuple[Stem, ...]
-    report: InventoryReport
-    sources: tuple[StemSource, ...]
-    """Of the stems, in their order; not part of the document."""
-
-    def document(self) -> dict[str, object]:
-        """The inventory document, which page and player read (spec/formats/inventory.md)."""
-        stems = [asdict(stem) for stem in self.stems]
-        return {"version": INVENTORY_VERSION, "stems": stems, "report": self.report.document()}
 
 
 @dataclass(frozen=True)
@@ -94,7 +56,7 @@ class _Raw:
 
 
 def read_inventory(file: Path | str | bytes, *, columns: Mapping[str, str] | None = None) -> Inventory:
-    """Read stems from a CSV or a GeoJSON file. InventoryError if none can be read.
+    """Read stems from a CSV or a GeoJSON file, or an inventory document. InventoryError if none can be read.
 
     ``columns``: names of columns of the file by what they hold (x, y, lon, lat, genus, species, height, dbh,
     girth), where they are not recognised.
@@ -104,7 +66,10 @@ def read_inventory(file: Path | str | bytes, *, columns: Mapping[str, str] | Non
         raise InventoryError(f"the file is larger than {LARGEST_BYTES // 1024**2} MB")
     text = decoded(data)
     if text.lstrip().startswith("{"):
-        return _inventory(rows_of_geojson(text), "feature", columns or {})
+        document = json_object(text)
+        if "stems" in document:
+            return inventory_of_document(document)
+        return _inventory(rows_of_geojson(document), "feature", columns or {})
     try:
         return _inventory(list(rows_of(text)), "line", columns or {})
     except InventoryError:
@@ -237,7 +202,8 @@ def _stem(raw: _Raw, per_ha: float, curves: Mapping[str, HeightCurve]) -> Stem:
     slender = per_ha > DENSE_PER_HA if formless else height_m / raw.dbh_m > SLENDER_HEIGHT_PER_DIAMETER
     builtin = match_species(raw.species, height_m).builtin
     dbh_cm = None if math.isnan(raw.dbh_m) else 100 * raw.dbh_m
-    return Stem(raw.line, raw.x, raw.y, raw.species, builtin, height_m, slender, dbh_cm)
+    estimated = math.isnan(raw.height_m)
+    return Stem(raw.line, raw.x, raw.y, raw.species, builtin, height_m, slender, dbh_cm, estimated)
 
 
 def _estimated_m(raw: _Raw, curves: Mapping[str, HeightCurve]) -> float:
@@ -261,7 +227,7 @@ def _reported(
 ) -> Inventory:
     east, north = [raw.x for raw in placed], [raw.y for raw in placed]
     width_m, depth_m = max(east) - min(east), max(north) - min(north)
-    per_ha = len(placed) / (max(width_m * depth_m, 100.0) / 10_000.0)
+    per_ha = stems_per_ha(len(placed), width_m, depth_m)
     curves = fitted_curves((one.species, one.dbh_m, one.height_m) for one in placed if not _is_formless(one))
     stems = tuple(_stem(raw, per_ha, curves) for raw in placed)
     estimated = [raw.species for raw in placed if math.isnan(raw.height_m)]
@@ -289,5 +255,5 @@ def _reported(
     )
     formless = sum(map(_is_formless, placed))
     notes = notes_of(report, columns, units, formless, counted)
-    sources = tuple(StemSource(raw.lon_lat_deg, not math.isnan(raw.height_m)) for raw in placed)
-    return Inventory(stems, replace(report, figures=figures_of(report), notes=notes), sources)
+    places = tuple(raw.lon_lat_deg for raw in placed)
+    return Inventory(stems, replace(report, figures=figures_of(report), notes=notes), places)

@@ -64,6 +64,11 @@ class InventoryReport:
         return asdict(self)
 
 
+def stems_per_ha(count: int, width_m: float, depth_m: float) -> float:
+    """Density of a plot; one that is smaller than 100 m² counts as large as that."""
+    return count / (max(width_m * depth_m, 100.0) / 10_000.0)
+
+
 def figures_of(report: InventoryReport) -> dict[str, str]:
     """The main numbers as text."""
     return {

@@ -4,7 +4,8 @@ A folder holds for each tree ``name``: ``name.json`` (what it was built from, th
 hashes of the files), ``name.table``, ``name.bare.table`` (of the tree without its leaves; it may be missing),
 ``name.records.gz`` (of ``name.table``), ``name.compliance.gz`` (for pulling the tree; it may be missing),
 ``name.glb`` (the render mesh), ``name.tets.npz`` (the tetrahedra, because the mesher is not repeatable) and
-pictures, ``name.*.png``.
+pictures, ``name.*.png``; and for all trees together ``forms.json``, their bending in wind
+(`galewood.check.stand`).
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ SHIPPED_SUFFIXES = {
     "render_glb": ".glb",
 }
 """File of a result -> how its name ends, after that of the tree."""
+FORMS_FILE = "forms.json"
 TETS_SUFFIX, PACKED_SUFFIX = ".tets.npz", ".gz"
 
 
@@ -42,6 +44,11 @@ def shipped_tables(species_dir: Path) -> dict[str, Path]:
     """The tables in leaf by the names of their trees, in this folder of the built-in trees."""
     files = (species_dir / SHIPPED_FOLDER).glob(f"*{SHIPPED_SUFFIXES['table']}")
     return dict(sorted((path.stem, path) for path in files if "." not in path.stem))
+
+
+def forms_path(species_dir: Path) -> Path:
+    """Where the bending of the trees of a folder is."""
+    return species_dir / SHIPPED_FOLDER / FORMS_FILE
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,10 @@ def critical_wind(
 
 
 def stand(
-    inventory: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="CSV or GeoJSON of stems.")],
+    inventory: Annotated[
+        Path,
+        typer.Argument(exists=True, dir_okay=False, help="CSV, GeoJSON, or an inventory document."),
+    ],
     out: Annotated[
         Path, typer.Option(dir_okay=False, help="Report to write: .csv, .html (to print), .geojson or .json.")
     ] = Path("stand-report.html"),
@@ -118,8 +121,7 @@ def stand(
     with plain_errors():
         stems = read_inventory(inventory)
         check_writable(stems, out)
-        with progress_of("Bending the built-in trees") as report:
-            found = stand_risk(stems, foliage=foliage, options=options, on_progress=report)
+        found = stand_risk(stems, foliage=foliage, options=options)
         write_report(found, out)
     for stem in found.stems[:FIRST_STEMS]:
         gust = f"{stem.critical_m_s:.1f}" if stem.critical_m_s < float("inf") else "over 100"

@@ -1,0 +1,13 @@
+from .form_file import ship_forms as ship_forms
+from .form_file import shipped_forms as shipped_forms
+from .forms import TreeForm as TreeForm
+from .forms import form_of_rods as form_of_rods
+from .limited import ReportKind as ReportKind
+from .limited import stand_limited as stand_limited
+from .report import StandOptions as StandOptions
+from .report import StandReport as StandReport
+from .report import stand_report as stand_report
+from .shelter import edge_distances_m as edge_distances_m
+from .shelter import shelter_factor as shelter_factor
+from .writing import check_writable as check_writable
+from .writing import write_report as write_report
