@@ -14,7 +14,8 @@ from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
 WRITE_METHODS = frozenset({"POST", "PUT", "PATCH", "DELETE"})
-READ_ONLY_POSTS = frozenset({"/api/winds/validate", "/api/convert"})  # POST only because of their bodies
+READ_ONLY_POSTS = frozenset({"/api/winds/validate", "/api/convert", "/api/stand-risk"})
+"""POST only because of their bodies."""
 FORWARDED_HEADERS = frozenset(
     {
         "forwarded", "via", "x-real-ip", "x-client-ip", "x-cluster-client-ip", "x-original-host",

@@ -159,12 +159,16 @@ class _Body:
         self._stall_s = settings.body_stall_s
         self._monitor = None if scope["method"] in ("GET", "HEAD") else BodyRateMonitor(settings)
         self.abandoned = False
-        """Whether the client has left before the body was complete."""
+        """Whether the client of a request with a body has left; it is noticed by who waits for it."""
 
     async def receive(self) -> Message:
         """The next part of the body, or what comes after it. HTTPException 408."""
-        if self._monitor is None or self._monitor.complete:
+        if self._monitor is None:
             return await self._receive()
+        if self._monitor.complete:
+            message = await self._receive()
+            self.abandoned = message["type"] == "http.disconnect"
+            return message
         try:
             async with asyncio.timeout(self._stall_s):
                 message = await self._receive()

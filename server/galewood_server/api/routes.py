@@ -12,6 +12,7 @@ from galewood_server.api import (
     jobs,
     metrics,
     socket,
+    stand_risks,
     trees,
     winds,
     wood_species,
@@ -25,7 +26,7 @@ ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
         upload, trees, revisions, pieces, thumbnails, structures, exports, jobs, job_pictures, comparisons,
-        evaluations, tables, artefacts, light_meshes, wood_species, winds, conversions, events, socket,
-        health, metrics,
+        evaluations, tables, artefacts, light_meshes, wood_species, winds, conversions, stand_risks, events,
+        socket, health, metrics,
     )
 )  # fmt: skip

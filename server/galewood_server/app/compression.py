@@ -15,6 +15,7 @@ FILES = (
     "/api/meshes/",
     "/api/light-meshes/",
     "/api/convert",
+    "/api/stand-risk",
 )
 """Paths of files, which are served in ranges or compressed already, or are large and come in one piece."""
 

@@ -1,6 +1,6 @@
 """Shared by all routes: schemas, problem details (RFC 9457), pagination, ETags and multipart forms."""
 
-from galewood_server.http.bodies import read_body
+from galewood_server.http.bodies import read_body, while_connected
 from galewood_server.http.content_types import EVENT_STREAM, contents
 from galewood_server.http.errors import (
     Problem,
@@ -100,5 +100,6 @@ __all__ = [
     "row_as_json",
     "rows_after",
     "serialisable",
+    "while_connected",
     "with_head_routes",
 ]

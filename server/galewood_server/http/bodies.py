@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator
+import threading
+from collections.abc import AsyncGenerator, Callable
+from typing import TypeVar
 
 import numpy as np
 from fastapi import Request
+from galewood.util import Cancelled
+from starlette.requests import ClientDisconnect
 
 from galewood_server.http.errors import ProblemError
 
 DRAIN_S = 2.0
+Result = TypeVar("Result")
 
 
 async def read_body(request: Request, limit_bytes: int, too_large: ProblemError) -> Body:
@@ -62,3 +67,25 @@ async def drain(stream: AsyncGenerator[bytes, None]) -> None:
                 pass
     except TimeoutError:
         pass
+
+
+async def while_connected(request: Request, work: Callable[[Callable[[], bool]], Result]) -> Result:
+    """Do work in a thread for a request whose body is received.
+
+    `work` is given a function that says whether the client still waits; if not it may raise Cancelled, which
+    becomes a ClientDisconnect.
+    """
+    left = threading.Event()
+
+    async def watch() -> None:
+        while (await request.receive())["type"] != "http.disconnect":
+            pass
+        left.set()
+
+    watching = asyncio.create_task(watch())
+    try:
+        return await asyncio.to_thread(work, lambda: not left.is_set())
+    except Cancelled:
+        raise ClientDisconnect from None
+    finally:
+        watching.cancel()

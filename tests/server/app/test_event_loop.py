@@ -157,6 +157,11 @@ def largest_inputs() -> dict[str, Requests]:
             {"content": filled(b"x,y,height\n", b"1,2,9\n", 20_000 * 6)},
             {"content": filled(b"time,speed,direction\n0,3,N\n", b"1,2,W\n", 1 << 20)},
         ],
+        "POST /api/stand-risk": [
+            {"content": filled(b'"', b"a" * 1000)},
+            {"content": filled(b"x,y,height\n", b"1,2,9\n", 5000 * 6)},
+            {"content": filled(b"x,y,height\n", b"1,2,9\n", 5000 * 6), "params": {"format": "csv"}},
+        ],
         "GET /api/inventory": file,
         "GET /api/events": plain,
         "GET /api/jobs/{job_id}/events": plain,

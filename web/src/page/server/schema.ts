@@ -275,6 +275,15 @@ export interface Schemas {
     line: number;
     reason: string;
   };
+  /** The stems of an inventory in wind, what was assumed, and what this is not (`caution`). */
+  StandRiskOut: {
+    options: Record<string, unknown>;
+    stems_per_ha: number;
+    mean_height_m: number;
+    stems: Schemas["StemRiskOut"][];
+    assumptions: string[];
+    caution: string;
+  };
   /** A tree of the inventory, placed relative to the middle of the plot. */
   Stem: {
     line: number;
@@ -285,6 +294,48 @@ export interface Schemas {
     height_m: number;
     slender: boolean;
     dbh_cm?: number | null;
+    height_estimated?: boolean;
+  };
+  /** A stem in wind. Winds are gusts at its top, m/s; null: it does not break up to 100 m/s. */
+  StemRiskOut: {
+    /** 1 breaks first. */
+    rank: number;
+    /** Of the stem in the inventory, from 0. */
+    index: number;
+    /** Of the stem in its file. */
+    line: number;
+    species: string;
+    /** The built-in tree that stands for it. */
+    tree: string;
+    /** Species of the wood; `default`: average wood. */
+    wood: string;
+    east_m: number;
+    north_m: number;
+    lon_deg: number | null;
+    lat_deg: number | null;
+    height_m: number;
+    /** Whether the height is not measured: from the diameter. */
+    height_estimated: boolean;
+    dbh_cm: number;
+    /** Whether the diameter is not measured: the tree's proportions. */
+    dbh_assumed: boolean;
+    /** Whether it is less than half or more than twice as high as the tree. */
+    rough: boolean;
+    frequency_hz: number;
+    edge_distance_m: number;
+    /** Share of the load at the edge that it bears. */
+    load_share: number;
+    /** Where the wind blows: 0 to the east, 90 to the south. */
+    direction_deg: number;
+    sway_m: number;
+    base_moment_knm: number;
+    /** The largest of the stem. */
+    strain: number;
+    critical_m_s: number | null;
+    /** 10 % of possible trees break in a weaker gust. */
+    critical_low_m_s: number | null;
+    /** 90 % of possible trees break in a weaker gust. */
+    critical_high_m_s: number | null;
   };
   /** What was simulated of a tree: tetrahedra (indices of vertices) and skeleton; tree frame, y up. */
   StructureOut: {
