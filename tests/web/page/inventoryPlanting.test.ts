@@ -30,6 +30,7 @@ afterEach(() => {
 });
 
 const named = (name: string) => ({ stems: [], name }) as unknown as NamedInventory;
+const MINE = new File([""], "mine.csv");
 const settle = () => new Promise((done) => setTimeout(done));
 
 function started(settings: Partial<Settings> = {}, query = "") {
@@ -78,7 +79,7 @@ test("after a link with a view, another inventory is shown", async () => {
   const { world, planting } = started({ inventory: "api/a" }, "?view=1,2,3,4,5,6");
   page.asked.get("api/a")?.resolve(named("a"));
   await settle();
-  planting.open({ stems: [] } as never, "mine.csv");
+  planting.open({ stems: [] } as never, MINE);
   expect(world.look).toHaveBeenCalledOnce();
 });
 
@@ -87,7 +88,7 @@ test("a file replaces the address, cannot be shared, and can be removed", async 
   page.asked.get("api/a")?.resolve(named("a"));
   await settle();
   expect(canBeShared(store)).toBe(true);
-  planting.open({ stems: [] } as never, "mine.csv");
+  planting.open({ stems: [] } as never, MINE);
   expect([settings.inventory, state.inventory]).toEqual(["", named("mine.csv")]);
   expect(canBeShared(store)).toBe(false);
   (page.tools as InventoryTools).remove();
@@ -96,6 +97,6 @@ test("a file replaces the address, cannot be shared, and can be removed", async 
 
 test("a shared forest is not planted from a file", () => {
   const { state, planting } = started({}, "?share=meadow");
-  planting.open({ stems: [] } as never, "mine.csv");
+  planting.open({ stems: [] } as never, MINE);
   expect([state.inventory, page.toasts]).toEqual([null, ["A shared forest cannot be planted from a file."]]);
 });

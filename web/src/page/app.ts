@@ -24,6 +24,7 @@ import { TreePicker } from "./picking/treePicker";
 import { ProgressCards } from "./progress/progressCards";
 import { Gusts } from "./pulling/gusts";
 import { Puller } from "./pulling/puller";
+import { WindRisk } from "./risk/windRisk";
 import { useKeys } from "./server/api";
 import { followAttention } from "./server/attention";
 import { Catalogue } from "./server/catalogue";
@@ -62,12 +63,13 @@ export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
   const comparison = new Comparison(store, world, catalogue, picker);
   const overlays = new TreeOverlays(world, catalogue, picker, comparison.errors);
   const physics = new PhysicsCards(catalogue);
+  const risk = new WindRisk(store, world, picker, views);
   const ownTrees = new OwnTrees(uploads, store, world, catalogue, views);
   const sharing = new Sharing(store, world);
   const sound = new WindSound(store, world);
   const capture = new Capture(store, world);
   files.connect({
-    inventory: (found, name) => inventory.open(found, name),
+    inventory: (found, file) => inventory.open(found, file),
     wind: (wind) => {
       store.settings.wind = wind;
     },
@@ -86,6 +88,7 @@ export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
   new ProgressCards(ownTrees, catalogue, world);
   const card = new PickedCard(store, picker, catalogue, paper, {
     menu: overlays.menu.element,
+    stem: risk.stemCard.root,
     buttons: [
       makeButton("Check accuracy", () => void comparison.open()),
       makeButton("Physics", () => physics.open()),

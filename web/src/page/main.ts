@@ -1,6 +1,7 @@
 import "uplot/dist/uPlot.min.css";
 import "./ui/instruments/instruments.css";
 import "./uploads/uploads.css";
+import "./risk/risk.css";
 import { openPage } from "./app";
 import { connectAbout } from "./controls/about";
 import { showHint } from "./controls/hint";

@@ -219,16 +219,27 @@ export class Forest {
     }));
     const hit = pickTree(groups, ray);
     if (!hit) return null;
-    const { asset, forest } = this.all[hit.group];
-    const [x, y, z, , , , scale] = forest.instances.data.subarray(hit.tree * INSTANCE_FLOATS);
+    return { ...this.treeAt(this.all[hit.group], hit.tree), distance_m: hit.distance_m };
+  }
+
+  /** The tree of a place, by its id; null if there is none. */
+  at(id: number): PickedTree | null {
+    for (const group of this.all) {
+      const tree = group.forest.instances.ids.indexOf(id);
+      if (tree >= 0) return { ...this.treeAt(group, tree), distance_m: 0 };
+    }
+    return null;
+  }
+
+  private treeAt({ asset, forest }: MovingGroup, tree: number): Omit<PickedTree, "distance_m"> {
+    const [x, y, z, , , , scale] = forest.instances.data.subarray(tree * INSTANCE_FLOATS);
     return {
-      id: forest.instances.ids[hit.tree],
+      id: forest.instances.ids[tree],
       treeId: asset.id,
       species: asset.species,
       position: { x, y, z },
       height_m: forest.model.height_m * scale,
       radius_m: forest.model.radius_m * scale,
-      distance_m: hit.distance_m,
     };
   }
 
@@ -250,18 +261,9 @@ export class Forest {
   last(treeId: string): (Omit<PickedTree, "distance_m"> & { readonly moves: boolean }) | null {
     const group = this.all.find(({ asset }) => asset.id === treeId);
     if (!group) return null;
-    const { instances, model, motion } = group.forest;
+    const { instances, motion } = group.forest;
     const tree = instances.ids.reduce((last, id, at, ids) => (id > ids[last] ? at : last), 0);
-    const [x, y, z, , , , scale] = instances.data.subarray(tree * INSTANCE_FLOATS);
-    return {
-      id: instances.ids[tree],
-      treeId,
-      species: group.asset.species,
-      position: { x, y, z },
-      height_m: model.height_m * scale,
-      radius_m: model.radius_m * scale,
-      moves: motion !== null,
-    };
+    return { ...this.treeAt(group, tree), moves: motion !== null };
   }
 
   /** Number of trees of a kind. */

@@ -15,9 +15,15 @@ export interface StandOptions {
 /** Ids of other places are smaller (placement.ts, clearing.ts). */
 const FIRST_ID = 2 ** 25;
 
+/** Which stem of an inventory a tree is, by the id of its place; null if it is none. */
+export const stemOf = (id: number): number | null => (id >= FIRST_ID ? id - FIRST_ID : null);
+
+/** The id of the place of a stem. */
+export const idOfStem = (index: number): number => FIRST_ID + index;
+
 /** Where a stem stands: the middle of the plot is the middle of the forest; north is up, away from the first view. */
 const placeOf = (stem: Stem, index: number, height_m: number): Placement => ({
-  id: FIRST_ID + index,
+  id: idOfStem(index),
   x_m: FOREST_CENTRE.x_m + stem.east_m,
   z_m: FOREST_CENTRE.z_m - stem.north_m,
   yaw_rad: 2 * Math.PI * hashUnit(index, 1),

@@ -5,8 +5,7 @@ import { loadPart, withServer } from "../server/connected";
 import { showToast } from "../ui/toast";
 
 export interface DataFileEvents {
-  /** `name`: that of the file. */
-  inventory(inventory: Inventory, name: string): void;
+  inventory(inventory: Inventory, file: File): void;
   wind(wind: WindDocument): void;
 }
 
@@ -56,7 +55,7 @@ export class DataFiles {
     const content = await contentOf(file);
     if (content === null) return false;
     const events = await this.ready;
-    if (content.kind === "inventory") events.inventory(content.inventory, file.name);
+    if (content.kind === "inventory") events.inventory(content.inventory, file);
     else if (content.kind === "wind") events.wind(content.wind);
     else {
       const { playMeasuredWind } = await loadPart(() => import("./measuredWind"));

@@ -62,12 +62,12 @@ export class InventoryPlanting {
   }
 
   /** Plants the stems of a file, which has no address; in a shared forest the others could not see them. */
-  open(inventory: Inventory, name: string): void {
+  open(inventory: Inventory, file: File): void {
     if (this.store.state.share !== null) {
       showToast("A shared forest cannot be planted from a file.", NOT_SHARED);
       return;
     }
-    const found = namedInventory(inventory, name);
+    const found = namedInventory(inventory, file.name, file);
     this.plant(found, "");
     showInventory(found);
   }

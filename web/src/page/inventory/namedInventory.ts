@@ -11,11 +11,14 @@ export interface NamedInventory extends Inventory {
   readonly name: string;
   /** The species in it, in lower case. */
   readonly names: ReadonlySet<string>;
+  /** Its file, or its document. */
+  readonly source: Blob;
 }
 
-export const namedInventory = (inventory: Inventory, name: string): NamedInventory => ({
+export const namedInventory = (inventory: Inventory, name: string, source: Blob): NamedInventory => ({
   ...inventory,
   name,
+  source,
   names: new Set(inventory.stems.map(({ species }) => species.trim().toLowerCase())),
 });
 
@@ -35,7 +38,8 @@ export async function loadInventory(address: string): Promise<NamedInventory> {
   const { inventoryFrom } = await loadPart(() => import("../files/content"));
   const real = /filename="([^"]+)"/.exec(response.headers.get("content-disposition") ?? "");
   const name = real?.[1] ?? url.pathname.replace(/^.*\//, "");
-  return namedInventory(inventoryFrom(await response.text()), name);
+  const text = await response.text();
+  return namedInventory(inventoryFrom(text), name, new Blob([text]));
 }
 
 /** Shows how the file was interpreted. */

@@ -18,6 +18,8 @@ import type { PickedFigures, TreePicker } from "./treePicker";
 export interface CardParts {
   /** The choice of what is drawn on it. */
   readonly menu: HTMLElement;
+  /** The wind risk of a stem of an inventory. */
+  readonly stem: HTMLElement;
   readonly buttons: readonly HTMLElement[];
 }
 
@@ -69,7 +71,7 @@ export class PickedCard {
     private readonly picker: TreePicker,
     private readonly catalogue: Catalogue,
     private readonly paper: PaperMethod,
-    { menu, buttons }: CardParts,
+    { menu, stem, buttons }: CardParts,
   ) {
     this.root.hidden = true;
     this.root.setAttribute("aria-label", "Selected tree");
@@ -85,7 +87,7 @@ export class PickedCard {
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
     this.planted = new PlantedChoice((how) => plantAs(store.settings, this.shownId, how));
-    this.root.append(this.heading, this.list, state, this.planted.root, menu, this.pictures, row);
+    this.root.append(this.heading, this.list, state, this.planted.root, stem, menu, this.pictures, row);
     element("progress").before(this.root);
     effect(() => this.report());
   }

@@ -17,7 +17,7 @@ const STAGES: Record<string, string> = {
   done: "Done",
 };
 
-const capital = (text: string) => text.charAt(0).toUpperCase() + text.slice(1);
+export const capital = (text: string) => text.charAt(0).toUpperCase() + text.slice(1);
 
 export const displayName = (tree: Pick<Tree, "name" | "species">) =>
   capital(tree.name || tree.species || "Tree");
