@@ -23,8 +23,8 @@ const drop = (page: Page, text: string) =>
 
 const violations = async (page: Page) => (await new AxeBuilder({ page }).include("#cards").analyze()).violations;
 
-test("the stems of a dropped inventory get their wind risk", async ({ page, quiet }) => {
-  await open(page, SMALL);
+test("the stems of a dropped inventory get their wind risk", { tag: "@long" }, async ({ page, quiet }) => {
+  await open(page, SMALL.replace("panel=0", "panel=1"));
   await drop(page, STAND);
   await page.getByRole("dialog").getByRole("button", { name: "Close" }).click();
   await page.getByText("Wind risk", { exact: true }).click();
@@ -78,6 +78,6 @@ test("the stems of a dropped inventory get their wind risk", async ({ page, quie
   expect(await readFile(await file.path(), "utf8")).toContain("critical_m_s");
 
   // another forest has no result
-  await page.getByRole("button", { name: "Remove" }).click();
+  await page.getByRole("button", { name: "Remove", exact: true }).click();
   await expect(card).toBeHidden();
 });
