@@ -99,8 +99,9 @@ test("a stem is described with units, its uncertainty and what is not measured",
     "Tree used": "Poplar, open-grown",
     Wood: "oak",
   });
-  expect(stemMarks(STEM)).toEqual([expect.stringContaining("height is not measured"), expect.stringContaining("average wood")]);
-  expect(stemMarks({ ...STEM, height_estimated: false, wood: "oak" })).toEqual([]);
+  expect(stemMarks({ ...STEM, height_estimated: false, wood: "oak" }, 40)).toEqual([expect.stringContaining("breaks below 40 m/s")]);
+  expect(stemMarks(STEM, 25)).toEqual([expect.stringContaining("height is not measured"), expect.stringContaining("average wood")]);
+  expect(stemMarks({ ...STEM, height_estimated: false, wood: "oak" }, 25)).toEqual([]);
   expect([stemName(STEM), stemName({ ...STEM, species: "" })]).toEqual(["Rotbuche, line 12", "Unknown species, line 12"]);
 });
 

@@ -29,7 +29,7 @@ export class StemCard {
       }),
     );
     this.marks.replaceChildren(
-      ...stemMarks(stem).map((words) => make("p", words)),
+      ...stemMarks(stem, speed_m_s).map((words) => make("p", words)),
       make("p", risk.caution, "risk-caution"),
     );
   }

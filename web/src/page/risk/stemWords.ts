@@ -36,9 +36,15 @@ export function stemFigures(stem: StemRisk, stems: number, speed_m_s: number): [
   ];
 }
 
-/** What is not measured of a stem, or rough, as sentences. */
-export function stemMarks({ height_estimated, dbh_assumed, wood, rough }: StemRisk): string[] {
+/** What is to be known of the figures of a stem: what is not measured, or rough. */
+export function stemMarks(stem: StemRisk, speed_m_s: number): string[] {
+  const { critical_m_s, height_estimated, dbh_assumed, wood, rough } = stem;
+  const breaks = critical_m_s !== null && critical_m_s <= speed_m_s;
   const marks: [boolean, string][] = [
+    [
+      breaks,
+      `It breaks below ${speed_m_s} m/s: sway, strain and moment are what they would be if it did not.`,
+    ],
     [height_estimated, "* The height is not measured: it is estimated from the diameter."],
     [dbh_assumed, "* The diameter is not measured: it has the proportions of the tree used."],
     [wood === "default", "The wood of this species is not known here: average wood."],
