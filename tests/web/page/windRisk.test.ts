@@ -84,7 +84,7 @@ test("a stem is described with units, its uncertainty and what is not measured",
   const figures = Object.fromEntries(stemFigures(STEM, 300, 25));
   expect(figures).toMatchObject({
     "Breaks at": "31.3 m/s",
-    "10 to 90 % of possible trees": "25.0 to over 100 m/s",
+    "10 to 90 %": "25.0 to over 100 m/s",
     Rank: "3 of 300",
     "Sway at 25 m/s": "0.85 m",
     "Largest strain": "2.12 mm/m",

@@ -21,7 +21,7 @@ export function stemFigures(stem: StemRisk, stems: number, speed_m_s: number): [
   const estimated = (is: boolean) => (is ? " *" : "");
   return [
     ["Breaks at", `${gust(stem.critical_m_s)} m/s`],
-    ["10 to 90 % of possible trees", `${gust(low)} to ${gust(high)} m/s`],
+    ["10 to 90 %", `${gust(low)} to ${gust(high)} m/s`],
     ["Rank", `${stem.rank} of ${stems}`],
     [`Sway at ${speed_m_s} m/s`, `${stem.sway_m.toFixed(2)} m`],
     ["Largest strain", `${(1000 * stem.strain).toFixed(2)} mm/m`],

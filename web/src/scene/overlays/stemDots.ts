@@ -18,7 +18,7 @@ const PICTURE_PX = 64;
 /** Of the dark rim, which parts the dots from sky and leaves, relative to the radius. */
 const RIM_SHARE = 0.2;
 const ABOVE_M = 0.8;
-const LOOK = {
+const DOT_LOOK = {
   sizeAttenuation: false,
   alphaTest: 0.5,
   depthTest: false,
@@ -42,8 +42,8 @@ export class StemDots {
 
   constructor() {
     const map = discPicture();
-    this.mark = points(new PointsMaterial({ ...LOOK, map, size: MARK_PX }), 8);
-    this.dots = points(new PointsMaterial({ ...LOOK, map, size: SIZE_PX, vertexColors: true }), 9);
+    this.mark = points(new PointsMaterial({ ...DOT_LOOK, map, size: MARK_PX }), 8);
+    this.dots = points(new PointsMaterial({ ...DOT_LOOK, map, size: SIZE_PX, vertexColors: true }), 9);
     this.group.add(this.mark, this.dots);
     this.group.visible = false;
   }
