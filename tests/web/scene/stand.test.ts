@@ -80,5 +80,9 @@ test("the camera has the whole plot in its width", () => {
     expect(FOREST_CENTRE.x_m + 0.85 * 30).toBeLessThan(target.x + reach);
     expect(FOREST_CENTRE.x_m - 0.85 * 30).toBeGreaterThan(target.x - reach);
     expect(eye.z).toBeGreaterThan(FOREST_CENTRE.z_m + 25);
+    // in a narrow picture, below the cards: the tops of the trees are below its middle
+    const sinks = (target.above - eye.above) / (eye.z - target.z);
+    const tops = (20 - eye.above) / (eye.z - target.z);
+    expect(tops < sinks).toBe(aspect < 1.2);
   }
 });

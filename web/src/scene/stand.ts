@@ -95,6 +95,8 @@ const IN_VIEW = 0.9;
 const BESIDE_INSTRUMENTS = 1.15;
 const WIDE_ASPECT_RATIO = 1.2;
 const FARTHEST_M = 250;
+/** Cards cover the middle of a narrow picture: the stand is this much below it, as a tangent. */
+const BELOW_CARDS = 0.12;
 
 /** Eye and target, with heights above the ground, that show a stand from the south and above its crowns. */
 export function standView({ width_m, depth_m, highest_m }: StandSize, aspect: number) {
@@ -108,5 +110,6 @@ export function standView({ width_m, depth_m, highest_m }: StandSize, aspect: nu
     above: 0.75 * highest_m + 0.1 * away_m,
     z: FOREST_CENTRE.z_m + away_m,
   };
-  return { eye, target: { x: FOREST_CENTRE.x_m - left_m, above: 0.45 * highest_m, z: FOREST_CENTRE.z_m } };
+  const above = 0.45 * highest_m + (wide ? 0 : BELOW_CARDS * away_m);
+  return { eye, target: { x: FOREST_CENTRE.x_m - left_m, above, z: FOREST_CENTRE.z_m } };
 }

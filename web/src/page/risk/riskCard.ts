@@ -118,7 +118,12 @@ export class RiskCard {
     this.caution.textContent = risk.caution;
   }
 
-  showLegend(risk: StandRisk, by: ColouredBy): void {
+  /** Scrolls to the result where there is no room for all. */
+  reveal(): void {
+    this.result.scrollIntoView({ block: "nearest" });
+  }
+
+  private showLegend(risk: StandRisk, by: ColouredBy): void {
     this.by.value = by;
     this.legend.hidden = by === "none";
     if (by === "none") return;

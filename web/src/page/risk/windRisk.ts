@@ -10,11 +10,14 @@ import { withServer } from "../server/connected";
 import { fetchRisk, type RiskRequest, type StandRisk } from "../server/conversion";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
-import { element } from "../ui/dom";
+import { element, PHONE_PAGE } from "../ui/dom";
 import { saveFile } from "../ui/saveFile";
 import { colouringOf } from "./colourScale";
 import { type ColouredBy, RiskCard } from "./riskCard";
 import { StemCard } from "./stemCard";
+
+const DOT_PX = 13;
+const PHONE_DOT_PX = 9;
 
 interface Found {
   readonly inventory: NamedInventory;
@@ -31,7 +34,7 @@ function resultWords({ stems }: StandRisk, { foliage, speed_m_s }: RiskRequest):
 export class WindRisk {
   readonly stemCard = new StemCard();
   private readonly card: RiskCard;
-  private readonly dots = new StemDots();
+  private readonly dots = new StemDots(matchMedia(PHONE_PAGE).matches ? PHONE_DOT_PX : DOT_PX);
   private readonly found = signal<Found | null>(null);
   private readonly by = signal<ColouredBy>("critical");
   private running: AbortController | null = null;
@@ -96,7 +99,10 @@ export class WindRisk {
     try {
       const answer = await fetchRisk(inventory.source, request, "json", running.signal);
       const risk = (await answer.json()) as StandRisk;
-      if (this.inventory === inventory) this.found.value = { inventory, request, risk };
+      if (this.inventory === inventory) {
+        this.found.value = { inventory, request, risk };
+        card.reveal();
+      }
       words = resultWords(risk, request);
     } catch (error) {
       if (!isAbort(error)) throw error;

@@ -12,8 +12,8 @@ import {
 import { groundHeight_m } from "../ground/landscape";
 import { FOREST_CENTRE } from "../placement";
 
-const SIZE_PX = 13;
-const MARK_PX = 26;
+/** Size of the mark relative to that of the dots. */
+const MARK_SHARE = 2;
 const PICTURE_PX = 64;
 /** Of the dark rim, which parts the dots from sky and leaves, relative to the radius. */
 const RIM_SHARE = 0.2;
@@ -40,10 +40,11 @@ export class StemDots {
   /** A larger white dot below that of the selected stem. */
   private readonly mark: Points<BufferGeometry, PointsMaterial>;
 
-  constructor() {
+  /** `size_px`: diameter of a dot. */
+  constructor(size_px: number) {
     const map = discPicture();
-    this.mark = points(new PointsMaterial({ ...DOT_LOOK, map, size: MARK_PX }), 8);
-    this.dots = points(new PointsMaterial({ ...DOT_LOOK, map, size: SIZE_PX, vertexColors: true }), 9);
+    this.mark = points(new PointsMaterial({ ...DOT_LOOK, map, size: MARK_SHARE * size_px }), 8);
+    this.dots = points(new PointsMaterial({ ...DOT_LOOK, map, size: size_px, vertexColors: true }), 9);
     this.group.add(this.mark, this.dots);
     this.group.visible = false;
   }
