@@ -41,12 +41,12 @@ export const QUANTITIES = {
 
 export type QuantityName = keyof typeof QUANTITIES;
 
-/** The strongest wind of the calculation, m/s. */
-const STRONGEST_M_S = 100;
+/** What is said of a critical wind, in m/s, that the calculation does not reach. */
+const BEYOND_WORDS = "over 100";
 
 /** A value with its decimals, or what is known of one that is out of reach. */
 export function valueWords(name: QuantityName, value: number): string {
-  return Number.isFinite(value) ? value.toFixed(QUANTITIES[name].decimals) : `over ${STRONGEST_M_S}`;
+  return Number.isFinite(value) ? value.toFixed(QUANTITIES[name].decimals) : BEYOND_WORDS;
 }
 
 export interface ColourClass {
