@@ -50,7 +50,7 @@ def check_writable(inventory: Inventory, path: Path) -> None:
     """
     if path.suffix.lower() not in _WRITERS:
         raise ValueError(f"{path.name}: the report ends in {', '.join(_WRITERS)}")
-    if path.suffix.lower() == ".geojson" and any(one.lon_lat_deg is None for one in inventory.sources):
+    if path.suffix.lower() == ".geojson" and None in inventory.lon_lat_deg:
         raise ValueError(NO_LONGITUDES_TEXT)
 
 
