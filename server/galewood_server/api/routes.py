@@ -13,6 +13,7 @@ from galewood_server.api import (
     metrics,
     socket,
     stand_risks,
+    tree_strain,
     trees,
     winds,
     wood_species,
@@ -25,8 +26,8 @@ from galewood_server.http import with_head_routes
 ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
-        upload, trees, revisions, pieces, thumbnails, structures, exports, jobs, job_pictures, comparisons,
-        evaluations, tables, artefacts, light_meshes, wood_species, winds, conversions, stand_risks, events,
-        socket, health, metrics,
+        upload, trees, revisions, pieces, thumbnails, structures, tree_strain, exports, jobs, job_pictures,
+        comparisons, evaluations, tables, artefacts, light_meshes, wood_species, winds, conversions,
+        stand_risks, events, socket, health, metrics,
     )
 )  # fmt: skip

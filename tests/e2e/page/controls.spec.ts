@@ -95,6 +95,11 @@ test.describe("overlays", () => {
     await expect(note).toHaveText(/^Mode 2 of/);
     await choice.selectOption("wind");
     await expect.poll(shown).toBe("wind");
+    await choice.selectOption("strain");
+    await expect(note).toHaveText(/^Steady wind of 15 m\/s, in leaf.* mm\/m, .* no substitute for an inspection/, {
+      timeout: 120_000,
+    });
+    expect(await shown()).toBe("strain");
     await choice.selectOption("error");
     await expect(note).toContainText("Check accuracy");
     await choice.selectOption("none");

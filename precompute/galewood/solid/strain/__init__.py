@@ -10,6 +10,7 @@ from galewood.solid.strain.critical import (
     critical_wind_of,
 )
 from galewood.solid.strain.gust_strain import GustStrain, strain_in_gusts, with_top_speed
+from galewood.solid.strain.limited import strain_limited
 from galewood.solid.strain.sections import CAUTION_TEXT, TreeStrain, strain_in_wind
 from galewood.solid.strain.spread import Sample, samples
 from galewood.solid.strain.tree_rods import WindRods, wind_rods
@@ -29,6 +30,7 @@ __all__ = [
     "samples",
     "strain_in_gusts",
     "strain_in_wind",
+    "strain_limited",
     "wind_rods",
     "with_top_speed",
 ]

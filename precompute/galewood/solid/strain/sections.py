@@ -105,14 +105,17 @@ class TreeStrain:
 
 
 class RodSections:
-    """The sections of a tree whose strain is reported, (s,) of all rods; those of a scan's points are not."""
+    """The sections of a tree whose strain is reported; those of a scan's points are not.
+
+    Entry i of an array (s,) is the middle of rod ``rod[i]``.
+    """
 
     def __init__(self, rods: WindRods) -> None:
-        self._shown = np.flatnonzero(~rods.inside & (rods.rods.clamped == 0) & (rods.radius_m > 0))
-        self._axis = rods.rods.axis[self._shown]
-        self.radius_m: Floats = rods.radius_m[self._shown]
-        self.place_m: Floats = rods.section_m[self._shown]
-        self.branch: Ints = rods.branch[self._shown]
+        self.rod: Ints = np.flatnonzero(~rods.inside & (rods.rods.clamped == 0) & (rods.radius_m > 0))
+        self._axis = rods.rods.axis[self.rod]
+        self.radius_m: Floats = rods.radius_m[self.rod]
+        self.place_m: Floats = rods.section_m[self.rod]
+        self.branch: Ints = rods.branch[self.rod]
         self.young_pa = rods.wood.young_longitudinal_pa
         on_line = self.branch == TRUNK_LIMB
         self._line = np.flatnonzero(on_line)[np.argsort(self.place_m[on_line, 1])]
@@ -123,7 +126,7 @@ class RodSections:
 
     def moments_nm(self, pose: BentRods) -> Floats:
         """(s, 3) bending moments in a pose, N·m: without torsion, in axes that turn with the rods."""
-        moment = pose.moment_nm[self._shown]
+        moment = pose.moment_nm[self.rod]
         return moment - np.einsum("ni,ni->n", moment, self._axis)[:, None] * self._axis
 
     def strain(self, moment_nm: Floats) -> Floats:

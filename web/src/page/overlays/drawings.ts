@@ -10,6 +10,7 @@ import { WindArrows } from "../../scene/overlays/windArrows";
 import { WireFigure, type WireStyle } from "../../scene/overlays/wireFigure";
 import { shownFrequency_hz } from "./modes";
 import type { Structure } from "./structure";
+import { type Bearing, strainColours } from "./treeStrain";
 
 /** State of the tree in one frame. */
 interface Moment {
@@ -32,6 +33,7 @@ const SKELETON_STYLE: WireStyle = { colour: 0x6fd3ff, width_px: 2.5, opacity: 0.
 const TETRAHEDRA_STYLE: WireStyle = { colour: 0xffc163, width_px: 1, opacity: 0.55 };
 const MODE_STYLE: WireStyle = { colour: 0xffb02e, width_px: 3, opacity: 1 };
 const REST_STYLE: WireStyle = { colour: 0xdfe6ea, width_px: 1, opacity: 0.6 };
+const STRAIN_LINE = { width_px: 5, opacity: 1 };
 /** A mode is shown with this amplitude at the point that it moves most, relative to the height. */
 const MODE_SHARE = 0.09;
 const MOST_ARROWS = 90;
@@ -56,6 +58,11 @@ export const skeletonDrawing = (structure: Structure, motion: TableMotion): Draw
 
 export const tetrahedraDrawing = (structure: Structure, motion: TableMotion): Drawing =>
   wires(structure.vertices_m, structure.edges, motion, TETRAHEDRA_STYLE);
+
+/** The axes of the wood in the colours of its strain. */
+export function strainDrawing({ points_m, links, strain, largest }: Bearing, motion: TableMotion): Drawing {
+  return wires(points_m, links, motion, { ...STRAIN_LINE, colour: strainColours(strain, largest) });
+}
 
 /** The skeleton swinging in one natural mode about its rest pose. */
 export function modeDrawing({ points_m, links }: Structure, motion: TableMotion, mode: number): Drawing {

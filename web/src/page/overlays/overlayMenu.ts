@@ -7,6 +7,7 @@ const OVERLAYS = {
   tetrahedra: "Tetrahedra",
   modes: "Natural modes",
   wind: "Wind",
+  strain: "Strain in wind",
   error: "Error of the table",
 } as const;
 

@@ -1,4 +1,4 @@
-/** Draws skeleton, tetrahedra, modes, wind or error on the picked tree, moving with it. */
+/** Draws skeleton, tetrahedra, modes, wind, strain or error on the picked tree, moving with it. */
 
 import type { TableMotion } from "galewood/client";
 import { NodePose } from "galewood/motion";
@@ -15,12 +15,14 @@ import {
   errorDrawing,
   modeDrawing,
   skeletonDrawing,
+  strainDrawing,
   tetrahedraDrawing,
   windDrawing,
 } from "./drawings";
 import { modesByFrequency, modeWords } from "./modes";
 import { type OverlayKind, OverlayMenu } from "./overlayMenu";
 import { structureOf } from "./structure";
+import { strainOf } from "./treeStrain";
 
 const millimetres = (error_m: Float32Array) => Math.max(...error_m) * 1000;
 
@@ -88,6 +90,12 @@ export class TreeOverlays {
     this.frame.scale.setScalar(scale);
   }
 
+  /** Where the wind blows now, in the frame of the tree. */
+  private get heading_deg(): number {
+    const { direction_deg } = this.world.field.at(this.world.client.time_s).wind;
+    return (direction_deg + (this.frame.rotation.y * 180) / Math.PI) % 360;
+  }
+
   private prepare(treeId: string, motion: TableMotion): void {
     const order = modesByFrequency(motion);
     const at = ((this.mode % order.length) + order.length) % order.length;
@@ -122,6 +130,12 @@ export class TreeOverlays {
     }
     const known = this.catalogue.find(treeId);
     if (!known) return;
+    if (kind === "strain") {
+      this.say("Calculating the strain …");
+      const bearing = await strainOf(treeId, this.catalogue.foliage, this.heading_deg, this.frame.scale.y);
+      if (this.key === key) this.use(strainDrawing(bearing, motion), bearing.words);
+      return;
+    }
     this.say("Loading …");
     const structure = await structureOf(known.tree);
     if (this.key !== key) return;

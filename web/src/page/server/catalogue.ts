@@ -186,6 +186,11 @@ export class Catalogue {
     return settings.season === "winter" && (state.share === null || settings.lookup === "worker");
   }
 
+  /** Whether trees are seen, and move, in leaf or bare. */
+  get foliage(): "leaf" | "bare" {
+    return this.bareWanted ? "bare" : "leaf";
+  }
+
   private chooseFoliage(bare: boolean): void {
     this.bareWanted = bare;
     const entries = this.grown;

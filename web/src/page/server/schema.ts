@@ -222,6 +222,11 @@ export interface Schemas {
     tree_id: string;
     settings?: Schemas["BuildSettings"];
   };
+  /** Where the largest strains are; null: the tree has no boughs of 4 cm. */
+  LargestOut: {
+    stem: Schemas["SectionOut"] | null;
+    boughs: Schemas["SectionOut"] | null;
+  };
   /** Response of /api/health: versions of the software, the table format and the stream protocol. */
   Liveness: {
     status: string;
@@ -263,6 +268,16 @@ export interface Schemas {
     status: string;
     version: string;
     checks: Record<string, boolean>;
+  };
+  /** A section of a stem or bough, and what it bears. */
+  SectionOut: {
+    height_m: number;
+    x_m: number;
+    z_m: number;
+    diameter_cm: number;
+    moment_nm: number;
+    strain: number;
+    stress_mpa: number;
   };
   /** Branches of a tree: points, the index of the point that each grows from (−1: the root), radii. */
   SkeletonOut: {
@@ -439,6 +454,28 @@ export interface Schemas {
     created_at: string;
     updated_at: string;
     report: Record<string, unknown>;
+  };
+  /**
+   * Bending strain at the outermost fibre along the axes of a tree, as it is drawn, and what this is not
+   * (`caution`).
+   */
+  TreeStrainOut: {
+    points_m: [number, number, number][];
+    /** The point that each grows from; −1: the root. */
+    parent: number[];
+    /** Between a point and its parent; null: not computed. */
+    strain: (number | null)[];
+    /** Of sound green wood of its species. */
+    rupture_strain: number;
+    wind_m_s: number;
+    direction_deg: number;
+    breast_height_strain: number | null;
+    largest: Schemas["LargestOut"];
+    base_moment_nm: number;
+    top_displacement_m: number;
+    load_factor: number;
+    weight_share: number;
+    caution: string;
   };
   /**
    * A tree without its report: `state` is `ready` once it has a complete table; `job_id` is its newest build

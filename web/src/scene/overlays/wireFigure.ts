@@ -4,9 +4,15 @@ import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
 export interface WireStyle {
-  readonly colour: number;
+  /** Of all lines, or rgb of each of them. */
+  readonly colour: number | Float32Array;
   readonly width_px: number;
   readonly opacity: number;
+}
+
+/** The colours of lines, repeated for both ends. */
+function ofBothEnds(colour: Float32Array): Float32Array {
+  return Float32Array.from({ length: 2 * colour.length }, (_, i) => colour[3 * Math.floor(i / 6) + (i % 3)]);
 }
 
 export class WireFigure {
@@ -21,8 +27,11 @@ export class WireFigure {
     this.ends = new Float32Array(3 * pairs.length);
     const geometry = new LineSegmentsGeometry();
     geometry.setPositions(this.ends);
+    const own = typeof colour !== "number";
+    if (own) geometry.setColors(ofBothEnds(colour));
     const material = new LineMaterial({
-      color: colour,
+      color: own ? 0xffffff : colour,
+      vertexColors: own,
       linewidth: width_px,
       transparent: true,
       opacity,
