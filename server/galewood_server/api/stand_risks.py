@@ -46,7 +46,7 @@ class StemRiskOut(BaseModel):
     height_estimated: bool = Field(description="Whether the height is not measured: from the diameter.")
     dbh_cm: float
     dbh_assumed: bool = Field(description="Whether the diameter is not measured: the tree's proportions.")
-    rough: bool = Field(description="Whether it is less than half or more than twice as high as the tree.")
+    rough: bool = Field(description="Less than half or more than twice as high, or as slender, as the tree.")
     frequency_hz: float
     edge_distance_m: float
     load_share: float = Field(description="Share of the load at the edge that it bears.")

@@ -19,7 +19,7 @@ router = APIRouter(prefix="/api/trees", tags=["trees"])
 class StrainQuery(BaseModel):
     """The wind, and whether the tree is in leaf."""
 
-    wind_m_s: float = Field(default=15.0, ge=0.1, le=100, description="At the top of the tree.")
+    speed_m_s: float = Field(default=15.0, ge=0.1, le=100, description="At the top of the tree.")
     direction_deg: float = Field(
         default=0.0, ge=-360, le=360, description="Where it blows, in the tree's frame: 0 to x, 90 to z."
     )
@@ -79,7 +79,7 @@ async def tree_strain(
         found = await while_connected(
             request,
             lambda wanted: strain_limited(
-                mesh, species, query.wind_m_s, query.direction_deg, leaves=in_leaf, wanted=wanted
+                mesh, species, query.speed_m_s, query.direction_deg, leaves=in_leaf, wanted=wanted
             ),
         )
     return Response(found, media_type="application/json")

@@ -30,7 +30,7 @@ from galewood.measurements import read_inventory, wood_species_of
 from galewood.options import ImportRequest
 from galewood.packaged import species_folder
 from galewood.pipeline.stages import BuiltinMesh, builtin_meshes
-from galewood.solid.strain import WindRods, samples, wind_rods
+from galewood.solid.strain import CriticalOptions, WindRods, samples, wind_rods
 from galewood.solid.strain.standing import standing_rods
 from galewood.table import Foliage
 from galewood.tree.importer import read_tree
@@ -111,6 +111,31 @@ def test_a_critical_wind_gives_the_rupture_strain(form: TreeForm) -> None:
     found = tree.all_critical_m_s(0.8, possible)
     assert list(found) == [tree.critical_m_s(0.8, one) for one in possible]
     assert np.isfinite(found[0]) and np.isinf(found[-1])
+
+
+DIAMETERS_M = (0.02, 0.04, 0.06, 0.1, 0.2, 0.4)
+
+
+def test_the_thinner_of_two_stems_breaks_first_however_thin(forms: dict[str, TreeForm]) -> None:
+    """Where the form was not bent so far, its bending is continued; the sway ends at the height."""
+    for form in forms.values():
+        trees = [form.scaled(22.0, dbh_m, wood_of_species("conifer")) for dbh_m in DIAMETERS_M]
+        critical = [tree.critical_m_s() for tree in trees]
+        assert critical == sorted(critical) and np.isfinite(critical[:3]).all()
+        for wind_m_s in (5.0, 20.0, 100.0):
+            strain = [tree.strain_at(wind_m_s) for tree in trees]
+            assert strain == sorted(strain, reverse=True) and len(set(strain)) == len(strain)
+            assert all(tree.sway_m(wind_m_s) <= 22.0 + 1e-9 for tree in trees)
+        assert trees[0].rough and not form.scaled(form.height_m, form.dbh_m, form.wood).rough
+
+
+@pytest.mark.parametrize("wrong", [{"direction_deg": float("nan")}, {"direction_deg": 1e9}, {"seed": -1}])
+def test_options_out_of_range_are_refused_by_name(wrong: dict[str, Any]) -> None:
+    name = next(iter(wrong))
+    with pytest.raises(ValueError, match=name):
+        StandOptions(**wrong)
+    with pytest.raises(ValueError, match=name):
+        CriticalOptions(**wrong)
 
 
 def test_shelter_is_that_of_the_wind_tunnel() -> None:

@@ -60,6 +60,21 @@ def test_a_file_that_is_no_tree_fails_with_a_sentence(tmp_path: Path) -> None:
         assert "Traceback" not in result.output
 
 
+def test_strain_beyond_rupture_is_said_and_silly_winds_are_refused(fork: Path, tmp_path: Path) -> None:
+    def said(*options: str, code: int = 0) -> str:
+        found = CliRunner().invoke(app, ["strain", str(fork), *options])
+        assert found.exit_code == code, found.output
+        return one_line(found.output)
+
+    assert "would break" in said("--speed", "150", "--foliage", "bare", "--dbh-cm", "6")
+    assert "would break" not in said("--speed", "1", "--foliage", "bare")
+    assert "--direction" in said("--direction", "nan", code=1)
+    assert "--direction" in said("--direction", "450", code=1)
+    assert "--seconds" in said("--gusts", "--seconds", "0.05", code=1)
+    (tmp_path / "wind.csv").write_text("time,speed\n0,3\n1,4\n")
+    assert "galewood convert" in said("--wind", str(tmp_path / "wind.csv"), code=1)
+
+
 def test_an_unknown_species_is_refused_by_name(fork: Path) -> None:
     result = CliRunner().invoke(app, ["strain", str(fork), "--species", "triffid"])
     assert result.exit_code == 1

@@ -32,7 +32,7 @@ def api(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
 
 
 def test_the_answer_is_the_strain_of_the_library(api: httpx.Client) -> None:
-    answer = api.get(PATH, params={"wind_m_s": 20, "direction_deg": 30, "foliage": "bare"}, timeout=300)
+    answer = api.get(PATH, params={"speed_m_s": 20, "direction_deg": 30, "foliage": "bare"}, timeout=300)
     assert answer.status_code == 200, answer.text
     found = answer.json()
     glb = (SPECIES / "shipped" / f"{NAME}.glb").read_bytes()
@@ -51,7 +51,7 @@ def test_the_answer_is_the_strain_of_the_library(api: httpx.Client) -> None:
 
 def test_a_bare_tree_strains_less_than_one_in_leaf(api: httpx.Client) -> None:
     leaf, bare = (
-        api.get(PATH, params={"wind_m_s": 5, "foliage": foliage}, timeout=300).json()["base_moment_nm"]
+        api.get(PATH, params={"speed_m_s": 5, "foliage": foliage}, timeout=300).json()["base_moment_nm"]
         for foliage in ("leaf", "bare")
     )
     assert leaf > 1.5 * bare
@@ -60,8 +60,8 @@ def test_a_bare_tree_strains_less_than_one_in_leaf(api: httpx.Client) -> None:
 @pytest.mark.parametrize(
     ("path", "query", "status", "code"),
     [
-        (PATH, {"wind_m_s": 0}, 422, "invalid-request"),
-        (PATH, {"wind_m_s": "nan"}, 422, "invalid-request"),
+        (PATH, {"speed_m_s": 0}, 422, "invalid-request"),
+        (PATH, {"speed_m_s": "nan"}, 422, "invalid-request"),
         (PATH, {"direction_deg": 1e9}, 422, "invalid-request"),
         (PATH, {"foliage": "autumn"}, 422, "invalid-request"),
         ("/api/trees/nothing/strain", {}, 404, "no-such-tree"),

@@ -10,6 +10,8 @@ in a wind it has the shape that the form has in a pressure s times as high, with
 There its sway is k times, its strain κ/k times, and its moment κ⁴/k · E/E₀ times that of the form. ν is the
 share of the buckling load that the weight is; it grows as k³/κ², and with density over E. Weight enlarges a
 bending by 1/(1 − ν), with the rule for trees that would hardly stand (`galewood.solid.fem.remaining_share`).
+Beyond the winds in which the form was bent, strain, moment and sway are continued in proportion to the
+pressure (the sway up to the height): too much rather than too little, for stems that are far too slender.
 The first frequency is κ/k² · √(E ρ₀/(E₀ ρ)) · √((1 − ν)/(1 − ν₀)) times that of the form.
 """
 
@@ -23,17 +25,17 @@ import numpy as np
 from galewood.motion.wind import dynamic_pressure, speed_of_pressure
 from galewood.solid.beams import NoEquilibrium
 from galewood.solid.fem import remaining_share
-from galewood.solid.strain import Sample, TreeStrain, WindRods, strain_in_wind
+from galewood.solid.strain import STRONGEST_M_S, Sample, TreeStrain, WindRods, strain_in_wind
 from galewood.util import Floats
 from galewood.wood import Wood
 
 CURVE_M_S = tuple(float(speed) for speed in np.geomspace(2.5, 250.0, 40))
 """Slender trees bend as far in ordinary winds as the form does in these."""
-STRONGEST_M_S = 100.0
-"""A critical wind above this is none."""
 DIRECTIONS_DEG = (0.0, 90.0, 180.0, 270.0)
 CHOSEN_AT_M_S = 15.0
 """Wind in which the least favourable direction is sought."""
+USUAL_RATIOS = (0.5, 2.0)
+"""Range of the height and of the slenderness, over those of the form, beyond which figures are rough."""
 MEDIAN_SAMPLE = Sample(1.0, 1.0, 1.0, 1.0)
 
 
@@ -73,6 +75,12 @@ class ScaledTree:
     wood: Wood
 
     @property
+    def rough(self) -> bool:
+        """Whether its figures are rough: far from the size or the slenderness of the form."""
+        low, high = USUAL_RATIOS
+        return not (low <= self.stretch <= high and low <= self.stretch / self.thickening <= high)
+
+    @property
     def load_factor(self) -> float:
         """Weight over buckling load."""
         heavier = self.wood.density_kg_m3 / self.form.wood.density_kg_m3
@@ -96,7 +104,8 @@ class ScaledTree:
 
     def sway_m(self, wind_m_s: float, shelter: float = 1.0) -> float:
         """Displacement of the top in a wind at its top, m."""
-        return self.stretch * self._of_form(self.form.sway_m, wind_m_s, shelter)
+        form = self.form
+        return self.stretch * min(self._of_form(form.sway_m, wind_m_s, shelter), form.height_m)
 
     def moment_nm(self, wind_m_s: float, shelter: float = 1.0) -> float:
         """Moment at the ground, N·m."""
@@ -118,17 +127,17 @@ class ScaledTree:
         factor = shelter * drag * self.pressure_factor / young / remaining
         speeds, strains = np.concatenate([[0.0], form.wind_m_s]), np.concatenate([[0.0], form.strain])
         pressure_pa = dynamic_pressure(np.interp(limit, strains, speeds), form.streamlined_exponent) / factor
+        pressure_pa *= np.maximum(limit / strains[-1], 1.0)
         found = np.array([speed_of_pressure(one, form.streamlined_exponent) for one in pressure_pa])
-        return np.where((limit > strains[-1]) | (found > STRONGEST_M_S), np.inf, found)
+        return np.where(found > STRONGEST_M_S, np.inf, found)
 
     def _of_form(self, values: Floats, wind_m_s: float, shelter: float) -> float:
         """A value of the form in the wind that bends it to this tree's shape."""
         exponent = self.form.streamlined_exponent
         pressure_pa = float(dynamic_pressure(wind_m_s, exponent)) * shelter * self.pressure_factor
-        speed = float(speed_of_pressure(pressure_pa, exponent))
-        return float(
-            np.interp(speed, np.concatenate([[0.0], self.form.wind_m_s]), np.concatenate([[0.0], values]))
-        )
+        speeds, values = (np.concatenate([[0.0], one]) for one in (self.form.wind_m_s, values))
+        beyond = max(pressure_pa / float(dynamic_pressure(float(speeds[-1]), exponent)), 1.0)
+        return beyond * float(np.interp(float(speed_of_pressure(pressure_pa, exponent)), speeds, values))
 
     @property
     def _stiffer(self) -> float:

@@ -28,8 +28,6 @@ STREAMLINED_TEXT = (
     "In leaf the load grows only as U^{exponent:.2g} above 5 m/s, because crowns streamline; far above the "
     "winds of measurements this is assumed, and makes trees in leaf seem to bear more than bare ones."
 )
-USUAL_STRETCH = (0.5, 2.0)
-"""Range of sizes over those of the built-in tree beyond which its figures are rough."""
 MOST_LISTED = 8
 
 
@@ -49,12 +47,16 @@ class StandOptions:
     seed: int = 1
 
     def __post_init__(self) -> None:
+        if self.direction_deg is not None and not abs(self.direction_deg) <= 360:
+            raise ValueError("direction_deg must lie between -360 and 360")
         if not 0 < self.wind_m_s <= 100:
             raise ValueError("wind_m_s must lie above 0 and at most at 100")
         if not 0 < self.knot_factor <= 1:
             raise ValueError("knot_factor must lie above 0 and at most at 1")
         if not 0 <= self.sample_count <= 10_000:
             raise ValueError("sample_count must lie between 0 and 10000")
+        if self.seed < 0:
+            raise ValueError("seed must be 0 or more")
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ class StemRisk:
     dbh_assumed: bool
     """By the proportions of the tree."""
     rough: bool
-    """Less than half or more than twice as high as the tree, so that its figures are rough."""
+    """Less than half or more than twice as high, or as slender, as the tree: its figures are rough."""
     frequency_hz: float
     edge_distance_m: float
     load_share: float
@@ -174,7 +176,8 @@ def _notes(stems: tuple[StemRisk, ...], forms: Mapping[str, TreeForm]) -> list[s
         notes.append(f"Average wood for {', '.join(average[:MOST_LISTED])}{more}.")
     if far := sum(stem.rough for stem in stems):
         notes.append(
-            f"{far} stems are less than half or more than twice as high as their tree: rough figures."
+            f"{far} stems are less than half or more than twice as high, or as slender, as their tree: rough "
+            "figures."
         )
     return notes
 
@@ -227,7 +230,7 @@ def _risk(
         height_estimated=stem.height_estimated,
         dbh_cm=100 * dbh_m,
         dbh_assumed=stem.dbh_cm is None,
-        rough=not USUAL_STRETCH[0] <= tree.stretch <= USUAL_STRETCH[1],
+        rough=tree.rough,
         frequency_hz=tree.frequency_hz,
         edge_distance_m=edge_m,
         load_share=share,

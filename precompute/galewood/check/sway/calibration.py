@@ -33,6 +33,7 @@ class Calibration:
     before: PredictedSway
     after: PredictedSway
     reached: bool
+    record_damping_ratio: float
 
     def figures(self) -> dict[str, Any]:
         """What changed, and both predictions; JSON-able."""
@@ -44,6 +45,7 @@ class Calibration:
             "without": self.before.figures(),
             "with": self.after.figures(),
             "reached": self.reached,
+            "record_damping_ratio": self.record_damping_ratio,
         }
 
 
@@ -79,7 +81,9 @@ def calibrated(
     at_mode = found.wood_damping_ratio / now.damping_ratio
     ratio = float(np.clip((resonance.damping_ratio - found.drag_damping_ratio) / at_mode, low, high))
     after = replace(found, wood_damping_ratio=ratio * at_mode)
-    return Calibration(replace(now, damping_ratio=ratio), wood, before, after, reached)
+    return Calibration(
+        replace(now, damping_ratio=ratio), wood, before, after, reached, resonance.damping_ratio
+    )
 
 
 def _next_young_pa(tried: list[tuple[float, float]], measured_hz: float) -> float:

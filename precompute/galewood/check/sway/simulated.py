@@ -25,6 +25,8 @@ def simulated_motion(table: Table, record: MotionRecord, direction_deg: float = 
     """
     if record.wind_m_s is None:
         raise ValueError("the record has no wind in which the tree could be simulated")
+    if not abs(direction_deg) <= 360:
+        raise ValueError("direction_deg must lie between -360 and 360")
     dt_s, count = float(table.metadata["dt_s"]), len(record.values)
     late_s = np.arange(count) / record.rate_hz
     frames = int(np.ceil((late_s[-1] + SETTLING_S) / dt_s)) + 2

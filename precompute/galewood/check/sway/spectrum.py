@@ -26,6 +26,8 @@ NYQUIST_SHARE = 0.8
 """Share of the Nyquist frequency that is used: filters of loggers act above it."""
 TAPERED_SHARE = 0.1
 """Share of a record that is tapered, so that its ends do not leak into the resonance."""
+ROUNDING_SHARE = 1e-12
+"""Range of a constant record over its largest value."""
 DRIFT_S = 600.0
 FEWEST_DRIFT_PERIODS = 3
 """A shorter record, in periods of the drift, has no room for the filter."""
@@ -145,7 +147,7 @@ def main_resonance(sway: Floats, rate_hz: float, *, of_acceleration: bool = Fals
 
     Raises ValueError if the record has none.
     """
-    if np.ptp(sway) == 0:
+    if np.ptp(sway) <= ROUNDING_SHARE * np.abs(sway).max():
         raise ValueError("the record has no motion")
     frequency, power = _periodogram(sway, rate_hz)
     low, high = TREE_BAND_HZ[0], min(TREE_BAND_HZ[1], NYQUIST_SHARE * rate_hz / 2)

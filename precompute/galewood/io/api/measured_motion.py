@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import get_args
 
 from galewood.check.sway import Calibration, SwayAnalysis, analyse_motion, calibrated
 from galewood.check.sway import simulated_motion as motion_of_table
@@ -50,6 +51,8 @@ def calibrate(
         MeasurementError: The file cannot be read (a ValueError).
         ValueError: The record has no resonance.
     """
+    if foliage not in get_args(Foliage):
+        raise ValueError(f"foliage must be one of {', '.join(get_args(Foliage))}, not {foliage!r}")
     analysis = motion if isinstance(motion, SwayAnalysis) else analyse_motion(motion)
 
     def model_of(one: Wood) -> FemModel:

@@ -52,6 +52,8 @@ def strain(
     """
     if not 0 <= wind_m_s < float("inf"):
         raise ValueError("wind_m_s must be a speed of 0 m/s or more")
+    if not abs(direction_deg) <= 360:
+        raise ValueError("direction_deg must lie between -360 and 360")
     rods = _rods(tree, wood, foliage)
     return strain_in_wind(rods, wind_m_s, direction_deg)[0]
 

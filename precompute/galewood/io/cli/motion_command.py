@@ -26,6 +26,8 @@ if TYPE_CHECKING:  # loaded only by the command that needs it
     from galewood.check.sway import AxisSway, Calibration, PredictedSway, SwayAnalysis, WindResponse
     from galewood.wood import Wood
 
+LIKELY_FACTOR, LIKELY_DEVIATION = 2.0, 0.25
+"""Of a calibrated modulus, and of the damping ratio over that of the record: what exceeds them is said."""
 TABLE_SUFFIX = ".gwt"
 OF_TREE = (
     "species", "height_m", "dbh_cm", "foliage", "min_radius_mm", "up_axis", "root_stiffness_knm",
@@ -235,6 +237,14 @@ def _print_calibration(found: Calibration) -> None:
     _print_predicted("model with it", found.after)
     if not found.reached:
         print_warning("The frequency was not reached within 0.2 %: check the record and the tree.")
+    if not 1 / LIKELY_FACTOR <= factor <= LIKELY_FACTOR:
+        print_warning("E is far from that of its species: check height, diameter and record before using it.")
+    measured = found.record_damping_ratio
+    if abs(found.after.damping_ratio / measured - 1) > LIKELY_DEVIATION:
+        print_warning(
+            f"The damping ratio of the record, {measured:.3f}, was not reached: drag and leaves alone make "
+            f"{found.after.drag_damping_ratio:.3f}."
+        )
 
 
 def _write_wood(path: Path, wood: Wood, record: str) -> None:

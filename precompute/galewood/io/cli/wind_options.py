@@ -46,7 +46,12 @@ class WindOptions(BaseModel):
         elif name in PRESETS:
             wind = PRESETS[name]
         elif Path(name).is_file():
-            wind = parse_wind(json.loads(Path(name).read_bytes()))
+            try:
+                document = json.loads(Path(name).read_bytes())
+            except ValueError:
+                rest = f", not {name}: `galewood convert` makes one of a measured wind"
+                raise WindError("--wind", "expected a wind document (JSON)", rest) from None
+            wind = parse_wind(document)
         else:
             raise WindError("--wind", f"expected a file or one of {', '.join(PRESETS)}", f", not {name!r}")
         return replace(wind, **{field: value for field, value in given.items() if value is not None})

@@ -4,6 +4,7 @@ gust speed that breaks it."""
 from galewood.solid.strain.critical import (
     DIRECTIONS_DEG,
     QUANTILES,
+    STRONGEST_M_S,
     CriticalOptions,
     CriticalWind,
     Rupture,
@@ -19,6 +20,7 @@ __all__ = [
     "CAUTION_TEXT",
     "DIRECTIONS_DEG",
     "QUANTILES",
+    "STRONGEST_M_S",
     "CriticalOptions",
     "CriticalWind",
     "GustStrain",

@@ -24,7 +24,9 @@ from galewood.solid.strain.tree_rods import WindRods, with_leaves_times
 from galewood.util import Floats
 
 DIRECTIONS_DEG = tuple(45.0 * k for k in range(8))
-TRIED_M_S = (10.0, 20.0, 30.0, 45.0, 60.0, 80.0, 100.0)
+STRONGEST_M_S = 100.0
+"""A critical wind above this is none."""
+TRIED_M_S = (10.0, 20.0, 30.0, 45.0, 60.0, 80.0, STRONGEST_M_S)
 """Speeds between which a critical wind is sought; beyond the last one there is none."""
 SPEED_TOLERANCE_M_S = 0.02
 FIELD_SPEEDS_M_S = (5.0, 7.5, 10.0, 12.5, 15.0)
@@ -49,12 +51,16 @@ class CriticalOptions:
     seed: int = 1
 
     def __post_init__(self) -> None:
+        if self.direction_deg is not None and not abs(self.direction_deg) <= 360:
+            raise ValueError("direction_deg must lie between -360 and 360")
         if not 0 < self.knot_factor <= 1:
             raise ValueError("knot_factor must lie above 0 and at most at 1")
         if self.root_strength_knm is not None and not 0 < self.root_strength_knm < np.inf:
             raise ValueError("root_strength_knm must be positive")
         if not 0 <= self.sample_count <= 10_000:
             raise ValueError("sample_count must lie between 0 and 10000")
+        if self.seed < 0:
+            raise ValueError("seed must be 0 or more")
 
 
 Quantiles = tuple[float, float, float]

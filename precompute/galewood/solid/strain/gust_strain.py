@@ -33,7 +33,7 @@ LONGEST_LOOK_S, LOOKS_PER_PERIOD = 0.1, 12
 """The strain is computed this often: less than 2 % of a peak lie between, on average 1 %."""
 SETTLING_S = 20.0
 """The tree starts at rest in the mean wind; what it does until it has swung in is not counted."""
-LONGEST_S = 3600.0
+SHORTEST_S, LONGEST_S = 1.0, 3600.0
 
 
 class GustPeak(NamedTuple):
@@ -173,8 +173,8 @@ def strain_in_gusts(
     The tree stands at the origin of the wind; the first 20 s, in which it swings in, are left out. Raises
     ValueError for still air or a length of time out of range, NoEquilibrium if the tree gives way.
     """
-    if not 0 < seconds <= LONGEST_S:
-        raise ValueError(f"the length of the series must lie above 0 s and at most at {LONGEST_S:g} s")
+    if not SHORTEST_S <= seconds <= LONGEST_S:
+        raise ValueError(f"a series must have {SHORTEST_S:g} to {LONGEST_S:g} s")
     speed_m_s = wind_at_top(wind, rods.height_m)
     if speed_m_s <= 0:
         raise ValueError("gusts need a mean wind above 0 m/s")

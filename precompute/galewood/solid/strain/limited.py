@@ -60,7 +60,6 @@ def strain_in_child(arguments: Arrays) -> Arrays:
         "points_m": rods.points_m.round(4).tolist(),
         "parent": rods.rods.parent.tolist(),
         "strain": [None if np.isnan(one) else one for one in strain.tolist()],
-        "rupture_strain": wood.rupture_strain,
         **found.figures(),
     }
     return {"strain": to_json_array(document)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,8 @@ class TreeStrain:
     """Weight over buckling load, as given."""
     weight_share: float
     """Of the weight, the share that acts: less than 1 for a tree that would hardly stand."""
+    rupture_strain: float
+    """Of green wood, without knots: where the strain exceeds it, the wood would break."""
 
     @property
     def stress_pa(self) -> Floats:
@@ -74,7 +76,12 @@ class TreeStrain:
         return self.young_pa * self.strain
 
     def largest(self, part: Part = "stem") -> Section | None:
-        """The section with the largest strain; None: the tree has no boughs of 4 cm."""
+        """The section with the largest strain; None: the tree has no boughs of 4 cm.
+
+        Raises ValueError for another part.
+        """
+        if part not in get_args(Part):
+            raise ValueError(f"part must be one of {', '.join(get_args(Part))}, not {part!r}")
         of_part = np.flatnonzero(self.stem if part == "stem" else self.bough)
         if not len(of_part):
             return None
@@ -100,6 +107,7 @@ class TreeStrain:
             "top_displacement_m": self.top_displacement_m,
             "load_factor": self.load_factor,
             "weight_share": self.weight_share,
+            "rupture_strain": self.rupture_strain,
             "caution": CAUTION_TEXT,
         }
 
@@ -181,6 +189,7 @@ def strain_in_wind(
         float(np.linalg.norm(pose.displacement_m[np.argmax(rods.points_m[:, 1])])),
         rods.load_factor,
         rods.weight_share,
+        rods.wood.rupture_strain,
     ), pose
 
 

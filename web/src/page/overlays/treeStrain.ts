@@ -35,7 +35,7 @@ export async function strainOf(
   direction_deg: number,
   scale: number,
 ): Promise<Bearing> {
-  const asked = `wind_m_s=${SHOWN_WIND_M_S}&direction_deg=${direction_deg.toFixed(0)}&foliage=${foliage}`;
+  const asked = `speed_m_s=${SHOWN_WIND_M_S}&direction_deg=${direction_deg.toFixed(0)}&foliage=${foliage}`;
   const answer = await fetchApi(`api/trees/${encodeURIComponent(treeId)}/strain?${asked}`);
   return bearingOf((await answer.json()) as Answer, foliage, scale);
 }

@@ -48,7 +48,7 @@ export function stemMarks(stem: StemRisk, speed_m_s: number): string[] {
     [height_estimated, "* The height is not measured: it is estimated from the diameter."],
     [dbh_assumed, "* The diameter is not measured: it has the proportions of the tree used."],
     [wood === "default", "The wood of this species is not known here: average wood."],
-    [rough, "Less than half or more than twice as high as the tree used: rough figures."],
+    [rough, "Less than half or more than twice as high, or as slender, as the tree used: rough figures."],
   ];
   return marks.flatMap(([holds, words]) => (holds ? [words] : []));
 }

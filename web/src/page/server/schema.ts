@@ -334,7 +334,7 @@ export interface Schemas {
     dbh_cm: number;
     /** Whether the diameter is not measured: the tree's proportions. */
     dbh_assumed: boolean;
-    /** Whether it is less than half or more than twice as high as the tree. */
+    /** Less than half or more than twice as high, or as slender, as the tree. */
     rough: boolean;
     frequency_hz: number;
     edge_distance_m: number;

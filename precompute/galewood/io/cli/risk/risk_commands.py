@@ -137,10 +137,12 @@ def stand(
 
 
 def _print_critical(name: str, foliage: str, found: CriticalWind) -> None:
+    from galewood.solid.strain import STRONGEST_M_S
+
     def speed(value: float | None) -> str:
         if value is None:
             return "not assessed"
-        return f"{value:.1f} m/s" if value < float("inf") else "over 100 m/s"
+        return f"{value:.1f} m/s" if value <= STRONGEST_M_S else f"over {STRONGEST_M_S:g} m/s"
 
     def rupture(found: Rupture, what: str, indent: str) -> None:
         if quantiles := found.quantiles_m_s:

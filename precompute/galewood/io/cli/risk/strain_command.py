@@ -27,6 +27,8 @@ PART_NAMES: dict[Literal["stem", "boughs"], str] = {"stem": "stem", "boughs": "b
 NEAR_RATIO = 1.4
 """A resonance farther from the first frequency is that of another mode."""
 CSV_COLUMNS = ("height_m", "x_m", "z_m", "branch", "part", "diameter_cm", "moment_nm", "strain", "stress_mpa")
+STILL_SHARE = 1e-4
+"""Deviation over the largest strain below which a series has no spectrum to speak of."""
 FEWEST_ANALYSED = 256
 """Values that an analysis of a motion needs."""
 
@@ -43,13 +45,15 @@ class BendingWind(WindOptions):
     )
     direction: float | None = Field(
         default=None,
+        ge=-360,
+        le=360,
         description="Direction the wind blows towards, degrees (0: x, 90: z); default: 0, or that of a wind "
         "file.",
     )
     gusts: bool = Field(
         default=False, description="Gusts, in which the tree sways, or a steady wind; --wind chooses them."
     )
-    seconds: float = Field(default=600.0, gt=0, le=3600, description="Length of the series of gusts, s.")
+    seconds: float = Field(default=600.0, ge=1, le=3600, description="Length of the series of gusts, s.")
 
     @property
     def gusty(self) -> bool:
@@ -150,7 +154,9 @@ def _in_gusts(tree: Path, options: BuildRequest, wind: BendingWind) -> tuple[Gus
                 wood=options.own_wood,
                 on_progress=report,
             )
-        if found.breast_height_strain is None or len(found.time_s) < FEWEST_ANALYSED:
+        breast = found.breast_height_strain
+        still = breast is None or breast.std() <= STILL_SHARE * abs(breast).max()
+        if still or len(found.time_s) < FEWEST_ANALYSED:
             return found, None
         return found, analyse_motion(found.breast_height_record())
 
@@ -165,6 +171,7 @@ def _print_steady(name: str, found: TreeStrain) -> None:
                 f"largest strain, {part_name}: {largest.strain:.5f} ({largest.stress_mpa:.1f} MPa), "
                 f"{largest.height_m:.1f} m up, diameter {largest.diameter_cm:.1f} cm"
             )
+            _warn_of_rupture(part, largest.strain, found.rupture_strain)
     console.print(
         f"moment at the ground: {found.base_moment_nm / 1000:.3g} kN·m; the top moves by "
         f"{found.top_displacement_m:.2f} m"
@@ -198,13 +205,17 @@ def _print_gusts(name: str, found: GustStrain, analysis: SwayAnalysis | None) ->
                 f"{peak.rms:.5f}; {peak.over_mean:.2f} times the largest in the steady mean wind{of_gust}",
                 soft_wrap=True,
             )
-            if at.strain > found.rupture_strain:
-                print_warning(
-                    f"This is more than the rupture strain of the wood, {found.rupture_strain:.4f}: it would "
-                    "have broken."
-                )
+            _warn_of_rupture(part, at.strain, found.rupture_strain)
     if analysis is not None:
         _print_spectrum(found.frequency_hz, analysis)
+
+
+def _warn_of_rupture(part: Literal["stem", "boughs"], strain: float, rupture_strain: float) -> None:
+    if strain > rupture_strain:
+        what = "stem" if part == "stem" else "bough"
+        print_warning(
+            f"This is more than the rupture strain of the wood, {rupture_strain:.4f}: the {what} would break."
+        )
 
 
 def _spectrum_peak_hz(analysis: SwayAnalysis) -> float:
