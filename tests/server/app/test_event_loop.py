@@ -121,6 +121,7 @@ def largest_inputs() -> dict[str, Requests]:
         "POST /api/trees/{tree_id}/copies": bodies(),
         "GET /api/trees/{tree_id}/thumbnail": plain,
         "GET /api/trees/{tree_id}/structure": plain,
+        "GET /api/trees/{tree_id}/strain": [*plain, {"params": {"speed_m_s": 1}}],
         "GET /api/trees/{tree_id}/exports/{kind}": [
             {"params": {"seconds": 1, "fps": 5}}, {"params": {"wind": "[" * 4000}},
         ],
