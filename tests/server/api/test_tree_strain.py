@@ -11,6 +11,7 @@ from galewood.options import ImportRequest
 from galewood.solid.strain import CAUTION_TEXT, strain_in_wind, wind_rods
 from galewood.tree import read_tree
 from galewood.wood import wood_of_species
+from galewood_server.api.tree_strain import TreeStrainOut
 
 from tests.server.api.test_structures import NAME, SPECIES, species_folder
 from tests.server.support.server_process import NO_CLUSTER, Server
@@ -42,6 +43,7 @@ def test_the_answer_is_the_strain_of_the_library(api: httpx.Client) -> None:
     told = np.array([one for one in found["strain"] if one is not None])
     np.testing.assert_allclose(np.sort(told), np.sort(own.strain), rtol=1e-6)
     assert found["caution"] == CAUTION_TEXT
+    assert TreeStrainOut.model_validate(found).model_dump(mode="json") == found
     points, parent = np.array(found["points_m"]), np.array(found["parent"])
     assert parent[0] == -1 and (parent[1:] < np.arange(1, len(parent))).all()
     middle = (points + points[np.maximum(parent, 0)]) / 2

@@ -11,6 +11,7 @@ import numpy as np
 from galewood.check.stand.forms import MEDIAN_SAMPLE, ScaledTree, TreeForm
 from galewood.check.stand.shelter import edge_distances_m, shelter_factor
 from galewood.measurements import Inventory, Stem, wood_species_of
+from galewood.motion.wind import check_direction
 from galewood.solid.strain import CAUTION_TEXT, DIRECTIONS_DEG, QUANTILES, Sample, samples
 from galewood.util import Floats
 from galewood.wood import wood_of_species
@@ -47,8 +48,8 @@ class StandOptions:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        if self.direction_deg is not None and not abs(self.direction_deg) <= 360:
-            raise ValueError("direction_deg must lie between -360 and 360")
+        if self.direction_deg is not None:
+            check_direction(self.direction_deg)
         if not 0 < self.wind_m_s <= 100:
             raise ValueError("wind_m_s must lie above 0 and at most at 100")
         if not 0 < self.knot_factor <= 1:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from galewood.measurements import MotionRecord
-from galewood.motion.wind import dynamic_pressure, limit_pressure
+from galewood.motion.wind import check_direction, dynamic_pressure, limit_pressure
 from galewood.player import ModalForest
 from galewood.table import Table
 from galewood.util import Floats
@@ -25,8 +25,7 @@ def simulated_motion(table: Table, record: MotionRecord, direction_deg: float = 
     """
     if record.wind_m_s is None:
         raise ValueError("the record has no wind in which the tree could be simulated")
-    if not abs(direction_deg) <= 360:
-        raise ValueError("direction_deg must lie between -360 and 360")
+    check_direction(direction_deg)
     dt_s, count = float(table.metadata["dt_s"]), len(record.values)
     late_s = np.arange(count) / record.rate_hz
     frames = int(np.ceil((late_s[-1] + SETTLING_S) / dt_s)) + 2

@@ -27,7 +27,7 @@ NYQUIST_SHARE = 0.8
 TAPERED_SHARE = 0.1
 """Share of a record that is tapered, so that its ends do not leak into the resonance."""
 ROUNDING_SHARE = 1e-12
-"""Range of a constant record over its largest value."""
+"""Of the largest value of a record: what its drift leaves of a constant one, or of a ramp, is no motion."""
 DRIFT_S = 600.0
 FEWEST_DRIFT_PERIODS = 3
 """A shorter record, in periods of the drift, has no room for the filter."""
@@ -101,6 +101,7 @@ def without_drift(values: Floats, rate_hz: float) -> Floats:
     minutes).
     """
     level = np.asarray(signal.detrend(values, axis=0), np.float64)
+    level[:, np.ptp(level, axis=0) <= ROUNDING_SHARE * np.abs(values).max(axis=0)] = 0.0
     if len(level) < FEWEST_DRIFT_PERIODS * DRIFT_S * rate_hz:
         return level
     high_pass = signal.butter(2, 1 / DRIFT_S, "highpass", fs=rate_hz, output="sos")
@@ -147,7 +148,7 @@ def main_resonance(sway: Floats, rate_hz: float, *, of_acceleration: bool = Fals
 
     Raises ValueError if the record has none.
     """
-    if np.ptp(sway) <= ROUNDING_SHARE * np.abs(sway).max():
+    if np.ptp(sway) == 0:
         raise ValueError("the record has no motion")
     frequency, power = _periodogram(sway, rate_hz)
     low, high = TREE_BAND_HZ[0], min(TREE_BAND_HZ[1], NYQUIST_SHARE * rate_hz / 2)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import get_args
 
 from galewood.io.api.trees import Tree
-from galewood.motion.wind import PRESETS, Wind
+from galewood.motion.wind import PRESETS, Wind, check_direction
 from galewood.solid.strain import (
     CriticalOptions,
     CriticalWind,
@@ -52,8 +52,7 @@ def strain(
     """
     if not 0 <= wind_m_s < float("inf"):
         raise ValueError("wind_m_s must be a speed of 0 m/s or more")
-    if not abs(direction_deg) <= 360:
-        raise ValueError("direction_deg must lie between -360 and 360")
+    check_direction(direction_deg)
     rods = _rods(tree, wood, foliage)
     return strain_in_wind(rods, wind_m_s, direction_deg)[0]
 

@@ -5,6 +5,7 @@ from .crown import gust_pressures as gust_pressures
 from .crown import write_gusts as write_gusts
 from .document import Wind as Wind
 from .document import WindError as WindError
+from .document import check_direction as check_direction
 from .document import parse_wind as parse_wind
 from .evaluation import wind_pressure as wind_pressure
 from .field import WindField as WindField

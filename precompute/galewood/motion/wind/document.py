@@ -34,6 +34,11 @@ WAVES_EXPECTED = f"expected a list of 1..{MOST_WAVES} waves"
 WAVE_RULES = {name: Field(**field) for name, field in WAVE_FIELDS.items()}
 
 
+def check_direction(direction_deg: float) -> None:
+    """Raise WindError for a direction, degrees, that no wind document may have."""
+    checked(direction_deg, FIELDS["direction_deg"], "direction_deg")
+
+
 @dataclass(frozen=True)
 class Wave:
     """One cosine gust wave; a negative phase_turns derives the phase from the seed."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from galewood.motion.wind import check_direction
 from galewood.solid.beams import BentRods, NoEquilibrium
 from galewood.solid.strain.sections import (
     CAUTION_TEXT,
@@ -51,8 +52,8 @@ class CriticalOptions:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        if self.direction_deg is not None and not abs(self.direction_deg) <= 360:
-            raise ValueError("direction_deg must lie between -360 and 360")
+        if self.direction_deg is not None:
+            check_direction(self.direction_deg)
         if not 0 < self.knot_factor <= 1:
             raise ValueError("knot_factor must lie above 0 and at most at 1")
         if self.root_strength_knm is not None and not 0 < self.root_strength_knm < np.inf:

@@ -96,6 +96,13 @@ def test_drag_damps_in_proportion_to_the_wind() -> None:
     assert fast == pytest.approx(2 * slow, rel=1e-6) and slow > 0
 
 
+@pytest.mark.parametrize("stuck", [np.full(4000, 3.0), np.linspace(0.0, 200.0, 4000), np.zeros(4000)])
+def test_a_stuck_or_drifting_sensor_has_no_motion(stuck: np.ndarray) -> None:
+    found = analyse_motion(motion_record(np.arange(4000) / 20.0, stuck[:, None]))
+    assert found.along.resonance is None
+    assert found.along.deviation == 0
+
+
 def test_a_record_without_resonance_is_refused() -> None:
     analysis = analyse_motion(motion_record(np.arange(300) / 10.0, np.zeros(300)))
     assert analysis.along.resonance is None and analysis.along.notes

@@ -1,4 +1,6 @@
 /** The strain of a tree's wood in a steady wind, which the service computes, its colours and its words. */
+
+import type { Foliage } from "galewood/core";
 import { Color } from "three";
 import { fetchApi, Problem } from "../server/api";
 import type { Schemas } from "../server/schema";
@@ -8,8 +10,6 @@ const SHOWN_WIND_M_S = 15;
 const UNSTRAINED_COLOUR = new Color(0xf4f1e6);
 const MIDDLE_COLOUR = new Color(0xffb02e);
 const STRAINED_COLOUR = new Color(0xd01030);
-
-export type Foliage = "leaf" | "bare";
 
 /** What the wood bears along its axes. */
 export interface Bearing {

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals-core";
 import type { TableMotion } from "galewood/client";
+import type { Foliage } from "galewood/core";
 import type { TreeModel } from "galewood/trees";
 import type { Object3D } from "three";
 import type { TreeAsset } from "../../scene/forest";
@@ -187,7 +188,7 @@ export class Catalogue {
   }
 
   /** Whether trees are seen, and move, in leaf or bare. */
-  get foliage(): "leaf" | "bare" {
+  get foliage(): Foliage {
     return this.bareWanted ? "bare" : "leaf";
   }
 

@@ -1,4 +1,5 @@
 /** Tables of measurements, which the service reads. */
+import type { Foliage } from "galewood/core";
 import { fetchApi, Problem } from "./api";
 import type { Schemas } from "./schema";
 
@@ -30,7 +31,7 @@ export async function convertFile(file: Blob, start_s = 0): Promise<Converted | 
 }
 
 export interface RiskRequest {
-  readonly foliage: "leaf" | "bare";
+  readonly foliage: Foliage;
   readonly speed_m_s: number;
 }
 
