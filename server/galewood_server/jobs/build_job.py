@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 from zipfile import BadZipFile
 
@@ -49,8 +48,6 @@ YIELD_S = 0.5
 """Time between two looks for trees that wait for their tables, s."""
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
-LOADED_EARLY = ("scipy.signal", "distributed")
-"""Modules that are slow to load, in the order in which they are needed."""
 
 
 @dataclass(frozen=True)
@@ -175,9 +172,8 @@ class RunningBuild:
 
 
 def load_early() -> None:
-    """Load what later stages need while this process waits for those of the import and the mesher."""
-    for module in LOADED_EARLY:
-        import_module(module)
+    """Load what the training runs need while this process waits for the mesher."""
+    import distributed  # noqa: F401  # pyright: ignore[reportUnusedImport]
 
 
 def run_build(

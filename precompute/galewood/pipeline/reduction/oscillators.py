@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numba
 import numpy as np
 
 from galewood.pipeline.reduction.places import Places, no_places, places_of
@@ -163,12 +164,19 @@ def propagators(omega: Floats, damping: Floats, settings: FemSettings) -> Floats
 
 def response(step: Floats, force: Floats) -> Floats:
     """(T + 1, m) motion from rest of one oscillator (6,) under stepwise constant forces (T, m)."""
-    from scipy.signal import lfilter  # slow to load
+    moved = np.zeros((len(force) + 1, force.shape[1]))
+    _respond(step, force, moved)
+    return moved
 
-    r00, r01, r10, r11, s0, s1 = step
-    poles = [1.0, -(r00 + r11), r00 * r11 - r01 * r10]
-    moved = lfilter([s0, r01 * s1 - r11 * s0], poles, force, axis=0)
-    return np.concatenate([np.zeros((1, force.shape[1])), moved])
+
+@numba.njit(cache=True, nogil=True)
+def _respond(step: Floats, force: Floats, moved: Floats) -> None:  # pragma: no cover  (compiled)
+    for m in range(force.shape[1]):
+        e, v = 0.0, 0.0
+        for t in range(len(force)):
+            push = force[t, m]
+            e, v = step[0] * e + step[1] * v + step[4] * push, step[2] * e + step[3] * v + step[5] * push
+            moved[t + 1, m] = e
 
 
 def reduced(

@@ -165,7 +165,8 @@ def sample_trajectory(
     local_pa = wind.gusts.local_pa(places, wind.pressure_pa, dt_s)
     for i, pressure in enumerate(wind.pressure_pa):
         on_progress(i / frames)
-        v[i] = body.v[points]
+        if len(points):
+            v[i] = body.v[points]
         body.step(pressure + local_pa[i].T if len(places) else pressure)
         if len(points):
             force[i] = body.recorded_force(points)

@@ -8,15 +8,19 @@ path from the root through its branch, and the sum of a power of the excess stre
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+import numba
 import numpy as np
 from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 
 from galewood.solid.skinning.axis import Axis
 from galewood.solid.skinning.bindings import AxisPaths, Bindings
-from galewood.solid.skinning.node_poses import limit_stretch, turned
+from galewood.solid.skinning.node_poses import limit_stretch
 from galewood.util import Floats, Ints
+
+KERNEL_JIT: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 FREE_STRETCH = 1.02
 """Length of an edge, relative to rest, that costs nothing."""
@@ -54,11 +58,45 @@ def posed_positions(
 ) -> Floats:
     """(v, k, 3) where vertices at place_m (v, 3) are drawn if they are bound to places of the axis (v,)."""
     bound = paths.bindings(child, arc_m, np.zeros(len(child)))
-    up, share = paths.parent[child], bound.share[:, None, None]
-    moved = (1 - share) * poses.moved_m[up] + share * poses.moved_m[child]
-    turn = (1 - share) * poses.turned[up] + share * poses.turned[child]
-    arm = np.broadcast_to((place_m - bound.at_m)[:, None], (len(child), moved.shape[2], 3))
-    return bound.at_m[:, None] + moved.transpose(0, 2, 1) + turned(arm, turn.transpose(0, 2, 1))
+    posed_m = np.empty((len(child), poses.moved_m.shape[2], 3))
+    where = (bound.child, paths.parent[bound.child], bound.share, bound.at_m)
+    _pose(place_m, *where, poses.moved_m, poses.turned, posed_m)
+    return posed_m
+
+
+@numba.njit(**KERNEL_JIT)
+def _pose(
+    place_m: Floats,
+    child: Ints,
+    up: Ints,
+    share: Floats,
+    at_m: Floats,
+    moved_m: Floats,
+    turned: Floats,
+    posed_m: Floats,
+) -> None:  # pragma: no cover  (compiled)
+    """posed_m (v, k, 3) ← the vertices with their bindings, as ``galewood.solid.skinning.node_poses`` turns
+    them.
+    """
+    for v in range(len(child)):
+        i, j, second = up[v], child[v], share[v]
+        first = 1.0 - second
+        a0, a1, a2 = place_m[v, 0] - at_m[v, 0], place_m[v, 1] - at_m[v, 1], place_m[v, 2] - at_m[v, 2]
+        for k in range(moved_m.shape[2]):
+            w0 = first * turned[i, 0, k] + second * turned[j, 0, k]
+            w1 = first * turned[i, 1, k] + second * turned[j, 1, k]
+            w2 = first * turned[i, 2, k] + second * turned[j, 2, k]
+            squared = w0 * w0 + w1 * w1 + w2 * w2
+            less = 1.0 / np.sqrt(np.sqrt(1.0 + squared * squared))
+            w0, w1, w2 = w0 * less, w1 * less, w2 * less
+            cosine = np.sqrt(max(1.0 - squared * less * less, 0.0))
+            along = (w0 * a0 + w1 * a1 + w2 * a2) / (1.0 + cosine)
+            x = first * moved_m[i, 0, k] + second * moved_m[j, 0, k]
+            y = first * moved_m[i, 1, k] + second * moved_m[j, 1, k]
+            z = first * moved_m[i, 2, k] + second * moved_m[j, 2, k]
+            posed_m[v, k, 0] = at_m[v, 0] + x + a0 * cosine + w1 * a2 - w2 * a1 + w0 * along
+            posed_m[v, k, 1] = at_m[v, 1] + y + a1 * cosine + w2 * a0 - w0 * a2 + w1 * along
+            posed_m[v, k, 2] = at_m[v, 2] + z + a2 * cosine + w0 * a1 - w1 * a0 + w2 * along
 
 
 @dataclass(frozen=True)
@@ -144,15 +182,33 @@ class StretchMinimisation:
         now = self._posed(arc)
         step = DIFFERENCE_STEP * self.unit_m
         slope = (self._posed(arc + step) - now) / step  # (f, k, 3)
-        place = np.where((self._ends >= 0)[:, :, None, None], now[self._ends], self._fixed)
-        apart = place[:, 1] - place[:, 0]  # (e, k, 3)
-        length = np.linalg.norm(apart, axis=2)
-        excess = np.maximum(length / self._length[:, None] - FREE_STRETCH, 0.0)
-        pull = COST_POWER * excess ** (COST_POWER - 1) / (self._length[:, None] * np.maximum(length, 1e-12))
-        pull = pull[:, :, None] * apart
-        total = np.zeros(len(arc))
-        for side, sign in ((0, -1.0), (1, 1.0)):
-            own = self._ends[:, side] >= 0
-            at = self._ends[own, side]
-            total += np.bincount(at, sign * (pull[own] * slope[at]).sum(axis=(1, 2)), len(arc))
-        return 1e6 * float((excess**COST_POWER).sum()), 1e6 * self.unit_m * total
+        gradient = np.zeros(len(arc))
+        total = _stretch_cost(self._ends, self._length, now, slope, self._fixed, gradient)
+        return 1e6 * total, 1e6 * self.unit_m * gradient
+
+
+@numba.njit(**KERNEL_JIT)
+def _stretch_cost(
+    ends: Ints, length_m: Floats, now_m: Floats, slope: Floats, fixed_m: Floats, gradient: Floats
+) -> float:  # pragma: no cover  (compiled)
+    """Sum of a power of the excess stretches of edges (e, 2); adds to its gradient (f,).
+
+    An end is the index of a vertex in ``now_m`` (f, k, 3), or negative: it is in ``fixed_m`` (e, 2, k, 3).
+    """
+    total = 0.0
+    for e in range(len(ends)):
+        a, b = ends[e, 0], ends[e, 1]
+        for k in range(now_m.shape[1]):
+            one = now_m[a, k] if a >= 0 else fixed_m[e, 0, k]
+            other = now_m[b, k] if b >= 0 else fixed_m[e, 1, k]
+            x, y, z = other[0] - one[0], other[1] - one[1], other[2] - one[2]
+            now = np.sqrt(x * x + y * y + z * z)
+            excess = now / length_m[e] - FREE_STRETCH
+            if excess > 0.0:
+                total += excess**COST_POWER
+                pull = COST_POWER * excess ** (COST_POWER - 1) / (length_m[e] * max(now, 1e-12))
+                if a >= 0:
+                    gradient[a] -= pull * (x * slope[a, k, 0] + y * slope[a, k, 1] + z * slope[a, k, 2])
+                if b >= 0:
+                    gradient[b] += pull * (x * slope[b, k, 0] + y * slope[b, k, 1] + z * slope[b, k, 2])
+    return total

@@ -17,6 +17,8 @@ from typing import Any, TypeVar, cast
 
 from galewood.threads import SINGLE_THREADED
 
+SIMULATION_MODULE = "galewood.solid.fem.dynamics"
+"""Workers load it, and with it the finite elements, when they start: while the wood is meshed."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -83,6 +85,7 @@ def main() -> None:
         worker_dashboard_address=None,
         local_directory=options.folder,
         memory_limit=0,
+        preload=[SIMULATION_MODULE],
         silence_logs=40,
     ) as cluster:
         print(json.dumps({"address": cluster.scheduler_address}), flush=True)

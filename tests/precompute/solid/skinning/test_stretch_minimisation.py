@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from galewood.solid.skinning.node_poses import turned
 from galewood.solid.skinning.stretch_minimisation import (
     AxisPoses,
     EdgeMesh,
     StretchMinimisation,
     hardest_poses,
+    posed_positions,
 )
 from galewood.solid.skinning.wood_bindings import welded_primitive
 
@@ -41,3 +43,18 @@ def test_the_hardest_pose_is_that_of_the_farthest_bend() -> None:
     poses = AxisPoses(pose.moved_m * shares, pose.turned * shares)
     found = hardest_poses(mesh, axis.nearest(mesh.place_m), axis.paths, poses, 1)
     np.testing.assert_array_equal(found.turned, pose.turned)
+
+
+def test_vertices_are_posed_as_the_player_draws_them() -> None:
+    axis, wood, _ = flared()
+    place_m, paths = welded_primitive(wood).place_m, axis.paths
+    rng = np.random.default_rng(SEED)
+    poses = AxisPoses(*rng.normal(size=(2, len(axis.points_m), 3, 5)))
+    child, arc = paths.places(axis.nearest(place_m))
+    bound = paths.bindings(child, arc, np.zeros(len(child)))
+    up, share = paths.parent[child], bound.share[:, None, None]
+    moved, turn = (
+        ((1 - share) * of[up] + share * of[child]).transpose(0, 2, 1) for of in (poses.moved_m, poses.turned)
+    )
+    expected = bound.at_m[:, None] + moved + turned((place_m - bound.at_m)[:, None], turn)
+    np.testing.assert_allclose(posed_positions(place_m, child, arc, paths, poses), expected, atol=1e-12)

@@ -329,6 +329,21 @@ def _complete(simd_width: int, k: Floats, prestress: Floats, s: int, scale: floa
             k[o + lane] = -k[72 + o + lane] - k[144 + o + lane] - k[216 + o + lane]
 
 
+@numba.njit(**INLINED_JIT)
+def _scatter(simd_width: int, k: Floats, slots: Int32s, first: int, flat_values: Floats) -> None:
+    """Add the ten blocks to their slots; nine loads before nine stores, which may not be exchanged."""
+    for p in range(10):
+        for lane in range(simd_width):
+            t, o = 9 * slots[first + 8 * p + lane], 72 * p + lane
+            v0, v1, v2 = flat_values[t] + k[o], flat_values[t + 1] + k[o + 8], flat_values[t + 2] + k[o + 16]
+            v3, v4 = flat_values[t + 3] + k[o + 24], flat_values[t + 4] + k[o + 32]
+            v5, v6 = flat_values[t + 5] + k[o + 40], flat_values[t + 6] + k[o + 48]
+            v7, v8 = flat_values[t + 7] + k[o + 56], flat_values[t + 8] + k[o + 64]
+            flat_values[t], flat_values[t + 1], flat_values[t + 2] = v0, v1, v2
+            flat_values[t + 3], flat_values[t + 4], flat_values[t + 5] = v3, v4, v5
+            flat_values[t + 6], flat_values[t + 7], flat_values[t + 8] = v6, v7, v8
+
+
 @numba.njit(**JIT)
 def _assemble(
     simd_width: int,
@@ -348,6 +363,7 @@ def _assemble(
 ) -> None:
     du, dw, d, r, deformed = np.empty(72), np.empty(72), np.empty(72), np.empty(72), np.empty(72)
     det, step, f, k = np.empty(8), np.empty(8), np.empty(96), np.empty(720)
+    flat_values = values.reshape(-1)
     for e in range(len(corners) // 32):
         _gather(simd_width, corners, 32 * e, u, du)
         _gather(simd_width, corners, 32 * e, w, dw)
@@ -365,8 +381,4 @@ def _assemble(
                     out[n, i] += f[8 * (3 * a + i) + lane]
         if matrix:
             _complete(simd_width, k, prestress, 48 * e, scale)
-            for lane in range(simd_width):
-                for p in range(10):
-                    slot = slots[80 * e + 8 * p + lane]
-                    for c in range(9):
-                        values[slot, c] += k[72 * p + 8 * c + lane]
+            _scatter(simd_width, k, slots, 80 * e, flat_values)
