@@ -32,15 +32,18 @@ LOWEST_PULL = 0.3
 
 @dataclass(frozen=True)
 class PoseChoice:
-    """The first of the headings, degrees, the seed of the wind and of the pulled points, and their number."""
+    """The first of the headings, degrees, the seed of the wind, and the points that are pulled."""
 
     heading_deg: float
     seed: int
-    pulled_points: int = 6
+    pulled_points: int = 12
+    spread: bool = False
+    """Points far from each other, so that each limb has one; otherwise random vertices."""
 
 
-FITTED_POSES, CHECKED_POSES = PoseChoice(0.0, 11, pulled_points=24), PoseChoice(25.0, 12)
+FITTED_POSES = PoseChoice(0.0, 11, pulled_points=48, spread=True)
 """Weights are smoothed for pulls at many points, as a pull bends the limb that is pulled and few others."""
+CHECKED_POSES = PoseChoice(25.0, 12)
 
 
 def drawn_poses(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) -> Floats:
@@ -78,13 +81,16 @@ def _pulled(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) -> lis
     """Static poses (1, r) of the modes, pulled sideways as far as a hand may at the top and other points."""
     height_m, random = float(table.metadata["height_m"]), np.random.default_rng(choice.seed)
     high = wood[rest_m[wood, 1] > LOWEST_PULL * height_m]
-    points = (
-        [int(high[rest_m[high, 1].argmax()]), *random.choice(high, choice.pulled_points - 1)]
-        if len(high)
-        else []
+    if not len(high):
+        return []
+    top = int(rest_m[high, 1].argmax())
+    chosen = (
+        farthest_points(rest_m[high], top, choice.pulled_points)
+        if choice.spread
+        else [top, *random.choice(len(high), choice.pulled_points - 1)]
     )
     found: list[Floats] = []
-    for point in points:
+    for point in high[chosen]:
         response = point_response(table, int(point))
         for angle in random.uniform(0, np.pi) + np.arange(PULLS_PER_POINT) * np.pi / PULLS_PER_POINT:
             q = response.pose @ np.array([np.cos(angle), 0.0, np.sin(angle)])
@@ -92,6 +98,15 @@ def _pulled(table: Table, rest_m: Floats, wood: Ints, choice: PoseChoice) -> lis
             if moved_m > 0:
                 found.append(q[None] * (PULL_MOST_REACH * height_m / moved_m))
     return found
+
+
+def farthest_points(place_m: Floats, first: int, count: int) -> list[int]:
+    """The first of some places (n, 3), and as many others, each farthest from those before it."""
+    chosen, away_m = [first], np.full(len(place_m), np.inf)
+    for _ in range(count - 1):
+        away_m = np.minimum(away_m, np.linalg.norm(place_m - place_m[chosen[-1]], axis=1))
+        chosen.append(int(away_m.argmax()))
+    return chosen
 
 
 def encoded_unless_torn(table: Table) -> bytes | None:

@@ -24,6 +24,7 @@ from galewood.solid.skinning.stretch_minimisation import (
     StretchMinimisation,
     axis_poses,
     hardest_poses,
+    longest_m,
     posed_positions,
 )
 from galewood.solid.skinning.surface_bindings import vertex_bindings
@@ -61,7 +62,7 @@ class Effort:
 
 
 THOROUGH_SMOOTHING = Effort(stretch=LARGEST_STRETCH, rounds=200, passes=2, poses=14, tries=3)
-QUICK_SMOOTHING = Effort(stretch=1.06, rounds=60, passes=0, poses=10, tries=1)
+QUICK_SMOOTHING = Effort(stretch=1.06, rounds=60, passes=0, poses=14, tries=1)
 
 
 def smoothed_bindings(tree: TreeMesh, axis: Axis, basis: Floats, q: Floats, effort: Effort) -> Bindings:
@@ -160,8 +161,7 @@ class _Relaxation:
         """(e,) length of each edge over that at rest, the largest of all poses."""
 
     def _ratios(self, now: Floats) -> Floats:
-        apart = now[self._ends[:, 0]] - now[self._ends[:, 1]]
-        return (np.linalg.norm(apart, axis=2) / self._length[:, None]).max(axis=1, initial=0.0)
+        return longest_m(now, self._ends[:, 0], now, self._ends[:, 1]) / self._length
 
     def _posed(self, vertex: Ints, child: Ints, arc: Floats) -> Floats:
         return posed_positions(self._place[vertex], child, arc, self._paths, self._poses)
@@ -206,8 +206,7 @@ class _Relaxation:
         pick[row[order]] = neighbour[order]
         child, arc = self._towards(vertex, pick, rng.choice(STEP_SHARES, len(vertex)))
         now = self._posed(vertex, child, arc)
-        apart = np.linalg.norm(now[row] - self._now[neighbour], axis=2)
-        ratio = (apart / self._length[edge][:, None]).max(axis=1)
+        ratio = longest_m(now, row, self._now, neighbour) / self._length[edge]
         after = np.zeros(len(vertex))
         np.maximum.at(after, row, ratio)
         better = (after < worst - LEAST_GAIN) & ~self._is_fixed[vertex]
