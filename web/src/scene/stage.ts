@@ -1,6 +1,7 @@
 /** Renderer, camera, sky, ground and light: everything except the trees. */
 
 import type { View } from "galewood/trees";
+import type { WindField } from "galewood/wind";
 import {
   ACESFilmicToneMapping,
   Frustum,
@@ -16,6 +17,7 @@ import { EDGE_VIEW } from "./camera/viewpoints";
 import type { Planted } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
+import { GroundWind } from "./ground/groundWind";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
 import { Undergrowth } from "./ground/undergrowth";
@@ -47,6 +49,7 @@ export class Stage {
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
   private readonly lighting: Lighting;
+  private readonly wind = new GroundWind();
   private readonly undergrowth: Undergrowth;
   private readonly leaves: FlyingLeaves;
   private readonly snow: Snowfall;
@@ -78,8 +81,8 @@ export class Stage {
     this.daylight = new Daylight(quality);
     this.lighting = new Lighting(this.sky, this.daylight);
     this.backdrop = new Backdrop(canvas, this.daylight, quality);
-    this.cover = new GroundCover(quality);
-    this.undergrowth = new Undergrowth(quality, this.pictures.plants);
+    this.cover = new GroundCover(quality, this.wind);
+    this.undergrowth = new Undergrowth(quality, this.pictures.plants, this.wind);
     this.leaves = new FlyingLeaves(quality, groundHeight_m);
     this.snow = new Snowfall(quality);
     this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);
@@ -142,8 +145,11 @@ export class Stage {
     this.backdrop.shelter(crowns);
   }
 
-  /** Moves sky, flying leaves, snow and ground cover on by dt_s in this wind; the clouds follow its strength. */
-  advance(dt_s: number, wind_m_s: { x: number; z: number }, time_s: number): void {
+  /**
+   * Moves sky, flying leaves, snow and ground cover on by dt_s in a mean wind; the clouds follow its strength.
+   * `gusts`: the wind at each place, in which the ground cover bows.
+   */
+  advance(dt_s: number, wind_m_s: { x: number; z: number }, gusts: WindField, time_s: number): void {
     this.lighting.advance(dt_s, wind_m_s);
     this.leaves.advance(
       dt_s,
@@ -153,8 +159,9 @@ export class Stage {
       this.camera.position,
     );
     this.snow.advance(dt_s, wind_m_s, this.season);
-    this.cover.update(this.camera.position, wind_m_s, time_s);
-    this.undergrowth.update(this.camera.position, wind_m_s, time_s);
+    this.wind.update(gusts, time_s, this.camera.position);
+    this.cover.update(this.camera.position, time_s);
+    this.undergrowth.update(this.camera.position, time_s);
   }
 
   /** Plants the background forest around the simulated trees. */
@@ -217,6 +224,7 @@ export class Stage {
     this.sky.dispose();
     this.terrain.dispose();
     this.cover.dispose();
+    this.wind.dispose();
     this.undergrowth.dispose();
     this.leaves.dispose();
     this.snow.dispose();

@@ -145,8 +145,8 @@ export class World {
 
   /** Moves sky, snow, ground cover and leaves on by dt_s. */
   moveScenery(dt_s: number): void {
-    const { stage, client, flutter } = this;
-    stage.advance(dt_s, meanVelocity_m_s(this.store.settings.wind), client.time_s);
+    const { stage, client, field, flutter } = this;
+    stage.advance(dt_s, meanVelocity_m_s(this.store.settings.wind), field, client.time_s);
     if (client.wind) stage.backdrop.wood.advance(client.wind.state, client.time_s);
     flutter.value.x += dt_s;
   }

@@ -19,6 +19,7 @@ import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
+import { GROUND_WIND_PARS, type GroundWind } from "./groundWind";
 import { glade, groundHeight_m } from "./landscape";
 import { PlantField } from "./plantField";
 
@@ -28,7 +29,6 @@ const COVER_FIELDS: Record<Quality, { side: number; spacing_m: number }> = {
   high: { side: 176, spacing_m: 0.46 },
 };
 const BLADE_COUNT = 7;
-const HEIGHT_M = 0.42;
 
 /** A tuft of bent blades around the origin, each of three triangles and with a pointed tip; y runs from 0 to 1. */
 function tuft(): BufferGeometry {
@@ -66,22 +66,26 @@ function tuft(): BufferGeometry {
 const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlant; // x, y, z in m; size
 attribute vec4 aLook; // random number, dryness, width, flower
-uniform vec3 uBreeze; // heading and speed of the wind, m/s; seconds
+uniform float uSeconds;
 uniform vec3 uEye;
 uniform float uReach;
 varying float vUp;
 varying vec4 vLook;
-`;
+${GROUND_WIND_PARS}`;
 
 const POSITION_GLSL = /* glsl */ `
 float near = 1.0 - smoothstep(0.7, 1.0, distance(aPlant.xz, uEye.xz) / uReach);
 float turn = aLook.x * 6.2832;
 vec2 spun = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * position.xz * aLook.z;
-float speed = length(uBreeze.xy);
-float gust = 0.6 + 0.4 * sin(uBreeze.z * 2.1 - dot(aPlant.xz, uBreeze.xy) * 0.16 / max(speed, 0.5) * 4.0 + aLook.x * 2.0);
-vec2 bow = uBreeze.xy * min(0.05, 0.6 / max(speed, 1.0)) * gust * position.y * position.y;
+vec2 wind = windAt(aPlant.xz);
+float speed = length(wind);
+// A blade bends the more the higher up, keeps its length, and trembles in its own eddies.
+float lean = leanIn(speed) * (0.85 + 0.3 * aLook.x);
+lean += 0.16 * min(1.0, 0.12 * speed) * sin(uSeconds * (9.0 + 6.0 * aLook.x) + 40.0 * aLook.x) * (1.0 - 0.5 * lean);
+lean *= position.y;
+vec2 bow = wind / max(speed, 0.01) * sin(lean) * position.y;
 float size = aPlant.w * near;
-vec3 transformed = aPlant.xyz + size * vec3(spun.x + bow.x, position.y * ${HEIGHT_M.toFixed(2)} / 0.42 - 0.4 * dot(bow, bow), spun.y + bow.y);
+vec3 transformed = aPlant.xyz + size * vec3(spun.x + bow.x, position.y * cos(lean), spun.y + bow.y);
 vUp = position.y;
 vLook = aLook;
 `;
@@ -125,7 +129,7 @@ function tuftIn(column: number, row: number, spacing_m: number): number[] {
 export class GroundCover {
   readonly mesh: Mesh<InstancedBufferGeometry, MeshLambertMaterial>;
   private readonly uniforms = {
-    uBreeze: { value: new Vector3() },
+    uSeconds: { value: 0 },
     uEye: { value: new Vector3() },
     uReach: { value: 1 },
     uGrassTint: { value: new Color(1, 1, 1) },
@@ -134,7 +138,10 @@ export class GroundCover {
   private field: PlantField | null = null;
   private quality: Quality | null = null;
 
-  constructor(quality: Quality) {
+  constructor(
+    quality: Quality,
+    private readonly wind: GroundWind,
+  ) {
     this.mesh = new Mesh(new InstancedBufferGeometry(), this.material());
     this.mesh.frustumCulled = false;
     this.mesh.receiveShadow = true;
@@ -145,7 +152,7 @@ export class GroundCover {
   private material(): MeshLambertMaterial {
     const material = new MeshLambertMaterial({ side: DoubleSide });
     material.onBeforeCompile = (shader) => {
-      Object.assign(shader.uniforms, air, seasonal, this.uniforms);
+      Object.assign(shader.uniforms, air, seasonal, this.uniforms, this.wind.uniforms);
       shader.vertexShader = shader.vertexShader
         .replace("#include <common>", `#include <common>\n${VERTEX_PARS}`)
         // Use the normal of the ground.
@@ -186,10 +193,10 @@ export class GroundCover {
     this.uniforms.uFlowers.value = season === "spring" || season === "summer" ? 1 : 0;
   }
 
-  /** Follows the camera and applies the wind of this step. */
-  update(eye: Vector3, wind_m_s: { x: number; z: number }, time_s: number): void {
+  /** Follows the camera. */
+  update(eye: Vector3, time_s: number): void {
     this.uniforms.uEye.value.copy(eye);
-    this.uniforms.uBreeze.value.set(wind_m_s.x, wind_m_s.z, time_s);
+    this.uniforms.uSeconds.value = time_s % 1000;
     if (this.mesh.visible) this.field?.update(eye);
   }
 

@@ -14,6 +14,7 @@ import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
 import type { Crowns } from "../sky/exposure";
+import { GROUND_WIND_PARS, type GroundWind } from "./groundWind";
 import { groundHeight_m } from "./landscape";
 import { PlantField } from "./plantField";
 import { fern, leafBlade, shrub } from "./plantShapes";
@@ -29,19 +30,19 @@ const FIELDS: Record<Quality, Record<Kind, readonly [side: number, spacing_m: nu
   high: { shrub: [40, 2.2], fern: [64, 1.15], leaf: [120, 0.33] },
 };
 const SHAPES: Record<Kind, () => BufferGeometry> = { shrub, fern, leaf: leafBlade };
-/** How far each kind bends at its top in strong wind, relative to its height. */
+/** How far each kind bends at its top, relative to its height and to the lean of grass, rad. */
 const BEND_SHARES: Record<Kind, number> = { shrub: 0.16, fern: 0.3, leaf: 0 };
 
 const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlant; // x, y, z, size in m
 attribute vec4 aLook; // colour; random number
-uniform vec3 uBreeze; // wind, m/s; seconds
+uniform float uSeconds;
 uniform vec3 uEye;
 uniform float uReach;
 varying vec2 vPlant;
 varying vec4 vLook;
 varying float vUp;
-`;
+${GROUND_WIND_PARS}`;
 
 const NORMAL_GLSL = /* glsl */ `
 float turn = aLook.w * 6.2832;
@@ -52,11 +53,11 @@ vec3 objectNormal = vec3(spin * normal.xz, normal.y).xzy;
 const POSITION_GLSL = /* glsl */ `
 float near = 1.0 - smoothstep(0.75, 1.0, distance(aPlant.xz, uEye.xz) / uReach);
 vec2 spun = spin * position.xz;
-float speed = length(uBreeze.xy);
-vec2 heading = uBreeze.xy / max(speed, 0.01);
-float beat = uBreeze.z * 2.3 - dot(aPlant.xz, heading) * 0.6 + aLook.w * 3.0;
-float gust = 0.55 + 0.3 * sin(beat) + 0.15 * sin(2.7 * beat + 9.0 * position.x);
-vec2 bow = heading * BEND * min(1.0, speed * speed / 180.0) * gust * position.y * position.y;
+vec2 wind = windAt(aPlant.xz);
+float speed = length(wind);
+float beat = uSeconds * 5.0 + aLook.w * 30.0;
+float tremble = 1.0 + 0.12 * sin(beat) + 0.08 * sin(2.7 * beat + 9.0 * position.x);
+vec2 bow = wind / max(speed, 0.01) * BEND * leanIn(speed) * tremble * position.y * position.y;
 #ifdef FLAT
   // A fallen leaf lies askew.
   vec3 transformed = aPlant.xyz + aPlant.w * near * vec3(spun.x, position.y + 0.5 * (fract(aLook.w * 7.0) - 0.4) * position.x, spun.y);
@@ -107,7 +108,7 @@ export class Undergrowth {
   private season: Season = "autumn";
   private quality: Quality | null = null;
   private readonly shared = {
-    uBreeze: { value: new Vector3() },
+    uSeconds: { value: 0 },
     uEye: { value: new Vector3() },
     uBare: { value: 0 },
   };
@@ -115,6 +116,7 @@ export class Undergrowth {
   constructor(
     quality: Quality,
     private readonly plants: DataTexture,
+    private readonly wind: GroundWind,
   ) {
     this.setQuality(quality);
   }
@@ -170,7 +172,7 @@ export class Undergrowth {
     const material = new MeshLambertMaterial({ side: DoubleSide });
     const defines = `#define BEND ${BEND_SHARES[kind].toFixed(2)}\n${kind === "leaf" ? "#define FLAT\n" : ""}`;
     material.onBeforeCompile = (shader) => {
-      Object.assign(shader.uniforms, air, seasonal, this.shared, {
+      Object.assign(shader.uniforms, air, seasonal, this.shared, this.wind.uniforms, {
         uReach: reach,
         uPlants: { value: this.plants },
       });
@@ -220,10 +222,10 @@ export class Undergrowth {
     }
   }
 
-  /** Follows the camera and bends with the wind of this step. */
-  update(eye: Vector3, wind_m_s: { x: number; z: number }, time_s: number): void {
+  /** Follows the camera. */
+  update(eye: Vector3, time_s: number): void {
     this.shared.uEye.value.copy(eye);
-    this.shared.uBreeze.value.set(wind_m_s.x, wind_m_s.z, time_s % 10_000);
+    this.shared.uSeconds.value = time_s % 1000;
     for (const { field, mesh } of this.layers) if (mesh.visible) field.update(eye);
   }
 
