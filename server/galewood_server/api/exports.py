@@ -70,8 +70,8 @@ async def get_export(
     query: Annotated[ExportQuery, Query()],
 ) -> Response:
     """A tree that sways, by default in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB),
-    `pivots` (for Unreal), `usd`, `glb` (morph targets), or `mjcf` (rigid bodies for MuJoCo, without a loop).
-    The first request for it takes some seconds."""
+    `pivots` (for Unreal), `usd`, `glb` (morph targets), `live` (morph targets that the file itself moves),
+    or `mjcf` (rigid bodies for MuJoCo, without a loop). The first request for it takes some seconds."""
     options = query.options()
     source = await asyncio.to_thread(_source, service, tree_id, options.name)
     if kind == "mjcf" and source.compliance_sha256 is None:

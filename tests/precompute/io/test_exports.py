@@ -354,7 +354,7 @@ def test_the_khronos_validator_finds_no_error(exports: Exports) -> None:
     calm = ExportOptions(wind=Wind(mean_speed_m_s=0.0), seconds=1.0, fps=5.0)
     write_export(exports.table, SHIPPED.with_suffix(".glb").read_bytes(), "bones", still.parent, "tree", calm)
     files = [str(path) for path in sorted(exports.folder.glob("*/*.glb"))]
-    assert len(files) == 7
+    assert len(files) == 8
     script = """
     const { readFileSync } = require("node:fs");
     const { validateBytes } = require(process.argv[1]);

@@ -28,7 +28,8 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
     Args:
         table: The table, with its mesh.
         options: As keywords. ``to``: what to write, "vat" (vertex animation textures), "bones" (a rigged
-            GLB), "pivots" (for Unreal), "usd", "glb" (morph targets), or "mjcf" (rigid bodies for MuJoCo,
+            GLB), "pivots" (for Unreal), "usd", "glb" (morph targets), "live" (morph
+            targets that the file itself moves, in any wind), or "mjcf" (rigid bodies for MuJoCo,
             which ignore wind and loop). ``out``: folder to write, created if needed. ``name``: name of the
             files and of what is in them, by default that of the table's file. ``wind``: by default one of
             8 m/s. ``seconds``: length of the motion, rounded to steps of the table. ``loop``: whether its end

@@ -28,7 +28,8 @@ Out = Annotated[Path | None, typer.Option(help="Folder to write; default: TABLE-
 To = Annotated[
     str,
     typer.Option(
-        help="vat (textures), bones (rigged GLB), pivots (Unreal), usd, glb (morphs), or mjcf (MuJoCo)."
+        help="vat (textures), bones (rigged GLB), pivots (Unreal), usd, glb (morphs), "
+        "live (morphs that move by themselves), or mjcf (MuJoCo)."
     ),
 ]
 MESH_HELP = "Mesh of the table; default: TABLE with .glb."
@@ -49,7 +50,7 @@ def export(
     json_out: JsonOut = None,
     **chosen: Any,
 ) -> None:
-    """Write a tree that sways in a wind for engines (vat, bones, pivots), USD or MuJoCo, or as a GLB."""
+    """Write a tree that sways in a wind for engines, USD or MuJoCo, or as a GLB."""
     from galewood.io.export import ExportError, ExportOptions, file_name
     from galewood.motion.wind import WindError
     from galewood.pipeline.results import read_compliance

@@ -11,6 +11,7 @@ from typing import Any
 
 from galewood.io.export.errors import ExportError
 from galewood.io.export.glb import export_glb
+from galewood.io.export.live.export import export_live
 from galewood.io.export.looped import Loop, looped
 from galewood.io.export.mjcf.export import export_mjcf
 from galewood.io.export.options import KINDS, ExportOptions
@@ -79,6 +80,8 @@ def _write(
         return export_pivots(table, glb, loop, folder, name, options.bones)
     if kind == "usd":
         return export_usd(table, glb, loop, folder, name)
+    if kind == "live":
+        return export_live(table, glb, loop, folder, name)
     return export_glb(table, glb, loop, folder, name)
 
 

@@ -44,18 +44,24 @@ def export_glb(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) ->
         "measured": {"error_percent_of_height": linear_error_percent(table, rest_m, poses)}
         | seam(table, rest_m, loop),
     }
-    _morph(file, table, rest_m, loop, f"{name}_sway")
+    add_morphs(file, table, rest_m, loop, f"{name}_sway")
     file.note("galewood_glb", description)
     (folder / f"{name}.glb").write_bytes(file.glb())
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
     return description
 
 
-def _morph(file: GltfFile, table: Table, rest_m: Floats, loop: Loop, animation: str) -> None:
-    """Add the modes that the motion needs as morph targets, and their weights over time."""
-    q = loop.keys()
+def add_morphs(
+    file: GltfFile, table: Table, rest_m: Floats, loop: Loop, animation: str, modes: int | None = None
+) -> tuple[npt.NDArray[np.int64], Floats]:
+    """Add the modes that the motion needs as morph targets, and their weights over time; only the first
+    ``modes``.
+
+    Returns the modes of the targets (k,), and the q of each of them at a weight of 1 (k,), m.
+    """
+    q = loop.keys()[:, :modes]
     reach = np.abs(q).max(axis=0)
-    farthest_m = np.linalg.norm(table.node_basis, axis=1).max(axis=0) * reach
+    farthest_m = np.linalg.norm(table.node_basis[:, :, :modes], axis=1).max(axis=0) * reach
     kept = np.flatnonzero(farthest_m > LEAST_M)
     kept = kept if len(kept) else np.array([0])
     scale = np.where(reach > 0, reach, 1.0)
@@ -64,16 +70,17 @@ def _morph(file: GltfFile, table: Table, rest_m: Floats, loop: Loop, animation: 
     for mesh, rows in zip(file.gltf.meshes, np.split(shapes, splits), strict=True):
         _add_targets(file, mesh, rows)
     _animate(file, q[:, kept] / scale[kept], loop.key_times_s(), animation)
+    return kept, scale[kept]
 
 
-def linear_error_percent(table: Table, rest_m: Floats, q: Floats) -> float:
+def linear_error_percent(table: Table, rest_m: Floats, q: Floats, modes: int | None = None) -> float:
     """Largest distance of a morphed vertex from where the table draws it, in % of the height.
 
-    ``q`` (T, r): the poses; morph targets displace vertices along lines, the table turns them about their
-    branches.
+    ``q`` (T, r): the poses; morph targets of the first ``modes`` displace vertices along lines, the table
+    turns them about their branches.
     """
-    rows = vertex_rows(table, rest_m)
-    apart = (rest_m + rows @ pose - drawn_positions(table, rest_m, pose) for pose in q)
+    rows = vertex_rows(table, rest_m)[:, :, :modes]
+    apart = (rest_m + rows @ pose[:modes] - drawn_positions(table, rest_m, pose) for pose in q)
     farthest_m = max(float(np.linalg.norm(each, axis=1).max()) for each in apart)
     return 100 * farthest_m / float(table.metadata["height_m"])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -123,6 +124,16 @@ class GltfFile:
         """Store a description in the extras of the scene."""
         scene = self.gltf.scenes[self.gltf.scene or 0]
         scene.extras = {**(scene.extras or {}), name: about}
+
+    def extend(
+        self, name: str, about: dict[str, Any], of_nodes: Mapping[int, dict[str, Any]] | None = None
+    ) -> None:
+        """Add an extension that programs need not know: to the asset, and to nodes by their indices."""
+        self.gltf.extensionsUsed = [*(self.gltf.extensionsUsed or []), name]
+        self.gltf.extensions = {**(self.gltf.extensions or {}), name: about}
+        for index, of_node in (of_nodes or {}).items():
+            node = self.gltf.nodes[index]
+            node.extensions = {**(node.extensions or {}), name: of_node}
 
     def glb(self) -> bytes:
         """The file's bytes."""

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 
 from galewood.motion.wind import Wind
 
-ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "mjcf"]
+ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "live", "mjcf"]
 KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
 TextureFormat = Literal["exr", "png"]
 EXPORT_REVISION = 2

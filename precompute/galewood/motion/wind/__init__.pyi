@@ -9,6 +9,7 @@ from .document import check_direction as check_direction
 from .document import parse_wind as parse_wind
 from .evaluation import wind_pressure as wind_pressure
 from .field import WindField as WindField
+from .models.hashing import phase_turns as phase_turns
 from .presets import PRESETS as PRESETS
 from .pressure import dynamic_pressure as dynamic_pressure
 from .pressure import height_factor as height_factor
