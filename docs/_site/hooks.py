@@ -24,13 +24,14 @@ PAGES = {
 }
 FOLDERS = {"docs/": "", "spec/formats/": "formats/"}
 """Folders of the repository and where their files are on the site."""
-SCHEMA = "formats/wind.schema.json"
+SCHEMA_FILES = ("formats/wind.schema.json", "formats/EXT_modal_dynamics.schema.json")
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """The site's pages, and the schema that they offer for download."""
-    source = Path(config.config_file_path).parent / "spec" / SCHEMA
-    files.append(File.generated(config, SCHEMA, abs_src_path=str(source)))
+    """The site's pages, and the schemas that they offer for download."""
+    for schema in SCHEMA_FILES:
+        source = Path(config.config_file_path).parent / "spec" / schema
+        files.append(File.generated(config, schema, abs_src_path=str(source)))
     return files
 
 
