@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import importlib
 import json
+import math
 import shutil
 import subprocess
 import sys
@@ -26,6 +27,7 @@ from galewood.table import Table, decode
 
 from tests.golden import GOLDEN_FOLDER
 from tests.precompute.fixtures.gltf_reading import Glb
+from tests.precompute.io.behaviour_graph import Graph
 
 REPOSITORY = Path(__file__).parents[3]
 SHIPPED = REPOSITORY / "assets/species/shipped/apricot-forest.table"
@@ -242,6 +244,26 @@ def test_the_graph_keeps_the_rules_of_its_specification(live: Live) -> None:
     assert used == set(range(len(graph["declarations"])))
     names = [variable["extras"]["name"] for variable in graph["variables"]]
     assert names[:2] == ["wind_m_s", "gustiness"] and len(set(names)) == len(names)
+
+
+def test_by_the_text_of_the_specification_the_graph_makes_the_same_steps(live: Live) -> None:
+    """In ticks of unequal length, the first of which has none, in the gusts and then in another wind."""
+    graph = Graph(live.document["extensions"]["KHR_interactivity"]["graphs"][0])
+    asset = reference.Asset.read(str(live.path))
+    graph.tick(0.0, math.nan)
+    assert set(graph.weights.values()) == {0.0}
+    lengths_s = np.random.default_rng(5).choice([0.004, 1 / 60, 0.05, 0.4], 300)
+    wind = None
+    for k, dt_s in enumerate(lengths_s.tolist()):
+        if k == 150:
+            wind = (3.0, -11.0)
+            graph.hear(x_m_s=wind[0], z_m_s=wind[1])
+        graph.tick(0.0, dt_s)
+        asset.advance(dt_s, wind)
+        for node in asset.moved():
+            found = [graph.weights[f"/nodes/{node}/weights/{i}"] for i in range(len(live.model.drag))]
+            np.testing.assert_allclose(found, asset.models[0].shown, rtol=0, atol=1e-9)
+    assert np.abs(asset.models[0].shown).max() > 0.1
 
 
 def test_the_extension_keeps_its_schema(live: Live) -> None:
