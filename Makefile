@@ -189,6 +189,7 @@ golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make
 	$(BIN)/python -m tests.golden.make_drawn
 	$(BIN)/python -m tests.golden.make_gusts
+	$(BIN)/python -m tests.golden.make_levels
 	$(BIN)/python -m tests.golden.make_linear
 	$(BIN)/python -m tests.golden.make_pull
 	$(BIN)/python -m tests.golden.make_reach

@@ -519,3 +519,18 @@ LINEAR_SWAY_SHARE = 0.2
 
 BREAST_HEIGHT_M = 1.3
 """Height at which the diameter of a trunk is measured [m]."""
+
+# ---- levels of detail --------------------------------------------------------------------------------------
+
+LEVEL_SHARES = (1.0, 0.5, 0.25, 0.13, 0.07)
+"""Share of the leaves and twigs that each level of detail shows."""
+SHRINK_RANK_WIDTH = 0.2
+"""A piece shrinks while its rank is between the share and (1 + this) times the share."""
+MOST_LEAF_GROWTH = 2.4
+"""Remaining leaves grow to keep the area of the crown, up to this factor: larger ones look like no leaves."""
+BRANCH_FOOT_WEIGHT = 0.3
+"""The foot of a branch is its vertex of the least horizontal distance from the trunk plus this times its
+height.
+"""
+RANK_SALT = 11
+"""Second number of the hash by which leaves are ranked."""

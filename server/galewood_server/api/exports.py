@@ -35,16 +35,23 @@ class ExportQuery(LoopOptions):
         max_length=4096,
         description=f"A preset ({', '.join(PRESETS)}) or a wind document as JSON.",
     )
+    winds: str = Field(
+        default="",
+        max_length=256,
+        description=f"Several presets ({','.join(PRESETS)}): a clip for each, of bones and pivots.",
+    )
 
     @model_validator(mode="after")
     def _few_frames(self) -> Self:
-        if self.seconds * self.fps > MOST_FRAMES:
-            raise ValueError(f"an export may have {MOST_FRAMES} frames: seconds × fps")
+        if self.seconds * self.fps * len(self.winds.split(",")) > MOST_FRAMES:
+            raise ValueError(f"an export may have {MOST_FRAMES} frames: seconds × fps × winds")
         return self
 
     def options(self) -> ExportOptions:
         """The options. WindError."""
-        return ExportOptions(wind=_wind(self.wind), **self.model_dump(exclude={"wind"}))
+        winds = {name: _preset(name) for name in self.winds.split(",") if self.winds}
+        chosen = self.model_dump(exclude={"wind", "winds"})
+        return ExportOptions(wind=_wind(self.wind), winds=winds, **chosen)
 
 
 @dataclass(frozen=True)
@@ -101,6 +108,13 @@ def _wind(text: str) -> Wind:
         raise ProblemError(
             422, "bad-wind", "Unknown wind", hint=f"Use one of {presets}, or a wind document as JSON."
         ) from None
+
+
+def _preset(name: str) -> Wind:
+    if name not in PRESETS:
+        hint = f"Use {', '.join(PRESETS)}, separated by commas."
+        raise ProblemError(422, "bad-wind", f"Unknown wind {name!r}", hint=hint)
+    return PRESETS[name]
 
 
 def _source(service: Service, tree_id: str, name: str | None) -> _Source:

@@ -75,6 +75,9 @@ def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(ser
             told = json.loads(files.read("Small.json"))
         assert told["frames"] == 10
         assert told["measured"]["seam_percent_of_height"] < 0.05
+        several = {**SHORT, "winds": "breeze,storm-front", "levels": "2"}
+        assert problem(api.get(f"{address}/bones", params={"winds": "breeze,gale"})) == (422, "bad-wind")
+        assert problem(api.get(f"{address}/usd", params=several)) == (422, "export-failed")
         (kept,) = (server.data_dir / "cache" / "exports").iterdir()
         written = kept.stat().st_mtime_ns
         again = api.get(f"{address}/bones", params=SHORT)
@@ -82,6 +85,17 @@ def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(ser
         assert kept.stat().st_mtime_ns == written
         tag = {"if-none-match": answer.headers["etag"]}
         assert api.get(f"{address}/bones", params=SHORT, headers=tag).status_code == 304
+
+
+def test_a_rigged_tree_has_a_clip_for_each_wind_and_a_file_for_each_level(server: Server) -> None:
+    several = {**SHORT, "winds": "breeze,storm-front", "levels": "2"}
+    with server.client() as api:
+        answer = api.get("/api/trees/small/exports/bones", params=several, timeout=120)
+        assert answer.status_code == 200, answer.text
+        with zipfile.ZipFile(io.BytesIO(answer.content)) as files:
+            assert set(files.namelist()) == {"Small.glb", "Small_lod1.glb", "Small.json", "Small.wind.json"}
+            told = json.loads(files.read("Small.json"))
+        assert [clip["animation"] for clip in told["clips"]] == ["Small_breeze", "Small_storm-front"]
 
 
 def test_a_tree_for_mujoco_is_fitted_to_its_compliance(server: Server) -> None:

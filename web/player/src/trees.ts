@@ -2,9 +2,10 @@
  * Building blocks of the renderer, for a scene that needs more than `Forest` of galewood/three: it brings its own materials,
  * impostors and worker. They change more often than the simple entry points.
  */
+export { LEVEL_SHARES } from "./core/constants";
 export { groundUnder, type Ray } from "./core/math/groundRay";
 export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling";
-export { LEVEL_SHARES, rankedIndex } from "./trees/detail";
+export { rankedIndex } from "./trees/detail";
 export type { DrawList, View } from "./trees/drawList";
 export { type BendNodes, bendNodes, type FarCards, fillCards } from "./trees/farCards";
 export {

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from pydantic import Field
 
 from galewood.io.cli.request_options import validated, with_options_of
 from galewood.io.cli.tools import (
@@ -16,8 +17,9 @@ from galewood.io.cli.tools import (
     progress_reporter,
     write_figures,
 )
-from galewood.io.cli.wind_options import WindOptions
+from galewood.io.cli.wind_options import WindOptions, named_wind
 from galewood.io.export import LoopOptions
+from galewood.motion.wind import PRESETS, Wind
 
 if TYPE_CHECKING:
     from galewood.io.export import ExportOptions
@@ -40,6 +42,28 @@ FILE_ENDINGS = (".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz", ".exr", ".pn
 class Moving(WindOptions, LoopOptions):
     """How the exported tree moves, and what it is called."""
 
+    winds: str | None = Field(
+        default=None,
+        description="Presets and files, separated by commas: bones and pivots get a clip for each, named "
+        "after it.",
+    )
+
+    def several(self) -> dict[str, Wind]:
+        """The winds of several clips by their names; empty: one. OSError or ValueError."""
+        from galewood.io.export import ExportError, file_name
+
+        if self.winds is None:
+            return {}
+        if self.wind is not None:
+            raise ExportError("--wind chooses one wind, --winds several: give one of the two")
+        found = dict[str, Wind]()
+        for each in self.winds.split(","):
+            name = file_name(each if each in PRESETS else Path(each).stem)
+            if name in found:
+                raise ExportError(f"two of --winds would be clips of the name {name}: rename a file")
+            found[name] = self.changed(named_wind(each, "--winds"))
+        return found
+
 
 @with_options_of(Moving)
 def export(
@@ -61,7 +85,7 @@ def export(
         wind, decoded, glb = moving.chosen(), decode(table.read_bytes()), _mesh_of(table, mesh)
         named = moving.model_dump(include=set(LoopOptions.model_fields))
         named["name"] = moving.name or file_name(table.stem)
-        options = ExportOptions(wind=wind, **named)
+        options = ExportOptions(wind=wind, winds=moving.several(), **named)
         folder = _folder(out or table.with_name(f"{table.stem}-{to}"))
         compliance = read_compliance(table) if to == "mjcf" else None
         _write(decoded, glb, to, folder, options, json_out, compliance)

@@ -34,24 +34,28 @@ class WindOptions(BaseModel):
 
     def chosen(self) -> Wind:
         """The preset, the document or the default wind, with the given values. OSError or ValueError."""
+        return self.changed(DEFAULT_WIND if self.wind is None else named_wind(self.wind, "--wind"))
+
+    def changed(self, wind: Wind) -> Wind:
+        """A wind with the given values."""
         given = {
             "mean_speed_m_s": self.speed,
             "direction_deg": self.direction,
             "gustiness": self.gustiness,
             "seed": self.seed,
         }
-        name = self.wind
-        if name is None:
-            wind = DEFAULT_WIND
-        elif name in PRESETS:
-            wind = PRESETS[name]
-        elif Path(name).is_file():
-            try:
-                document = json.loads(Path(name).read_bytes())
-            except ValueError:
-                rest = f", not {name}: `galewood convert` makes one of a measured wind"
-                raise WindError("--wind", "expected a wind document (JSON)", rest) from None
-            wind = parse_wind(document)
-        else:
-            raise WindError("--wind", f"expected a file or one of {', '.join(PRESETS)}", f", not {name!r}")
         return replace(wind, **{field: value for field, value in given.items() if value is not None})
+
+
+def named_wind(name: str, option: str) -> Wind:
+    """The preset of a name, or the wind document of a file. OSError or WindError, which names the option."""
+    if name in PRESETS:
+        return PRESETS[name]
+    if not Path(name).is_file():
+        raise WindError(option, f"expected a file or one of {', '.join(PRESETS)}", f", not {name!r}")
+    try:
+        document = json.loads(Path(name).read_bytes())
+    except ValueError:
+        rest = f", not {name}: `galewood convert` makes one of a measured wind"
+        raise WindError(option, "expected a wind document (JSON)", rest) from None
+    return parse_wind(document)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from galewood.io.export.glb import export_glb
 from galewood.io.export.live.export import export_live
 from galewood.io.export.looped import Loop, looped
 from galewood.io.export.mjcf.export import export_mjcf
-from galewood.io.export.options import KINDS, ExportOptions
+from galewood.io.export.options import KINDS, SEVERAL_LEVELS, SEVERAL_WINDS, ExportOptions
 from galewood.io.export.packages import check_packages
 from galewood.io.export.pivots import export_pivots
 from galewood.io.export.skeletal.bones import export_bones
@@ -24,6 +24,8 @@ from galewood.motion.wind import parse_wind
 from galewood.table import Table
 
 OnProgress = Callable[[float, str], None]
+ONE_WIND = "sway"
+"""Name of the clip where one wind is chosen."""
 
 
 def write_export(
@@ -54,6 +56,7 @@ def write_export(
     chosen, report = options or ExportOptions(), on_progress or _no_progress
     if kind not in KINDS:
         raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
+    _check_files(kind, chosen)
     check_packages(kind, chosen)
     if kind == "mjcf":
         report(0.0, "Fitting rigid bodies to the tree")
@@ -61,23 +64,43 @@ def write_export(
         report(1.0, "Done")
         return description
     report(0.0, "Playing the wind")
-    loop = looped(table, chosen.wind, chosen.seconds, chosen.fps, closed=chosen.loop)
+    winds = chosen.winds or {ONE_WIND: chosen.wind}
+    loops = {
+        each: looped(table, wind, chosen.seconds, chosen.fps, closed=chosen.loop)
+        for each, wind in winds.items()
+    }
     folder.mkdir(parents=True, exist_ok=True)
     report(0.4, "Writing and measuring the files")
-    description = _write(table, glb, kind, folder, name, chosen, loop)
+    description = _write(table, glb, kind, folder, name, chosen, loops)
     report(1.0, "Done")
     return description
 
 
+def _check_files(kind: str, options: ExportOptions) -> None:
+    """Raise ExportError for several winds or levels of a kind that has one."""
+    if options.winds and kind not in SEVERAL_WINDS:
+        several = " and ".join(SEVERAL_WINDS)
+        raise ExportError(f"{kind} plays one wind: choose it with wind; {several} take several winds")
+    if options.levels > 1 and kind not in SEVERAL_LEVELS:
+        raise ExportError(f"{kind} has one level of detail; {', '.join(SEVERAL_LEVELS)} have several")
+
+
 def _write(
-    table: Table, glb: bytes, kind: str, folder: Path, name: str, options: ExportOptions, loop: Loop
+    table: Table,
+    glb: bytes,
+    kind: str,
+    folder: Path,
+    name: str,
+    options: ExportOptions,
+    loops: Mapping[str, Loop],
 ) -> dict[str, Any]:
-    if kind == "vat":
-        return export_vat(table, glb, loop, folder, name, options.format)
     if kind == "bones":
-        return export_bones(table, glb, loop, folder, name, options.bones)
+        return export_bones(table, glb, loops, folder, name, options)
     if kind == "pivots":
-        return export_pivots(table, glb, loop, folder, name, options.bones)
+        return export_pivots(table, glb, loops, folder, name, options)
+    (loop,) = loops.values()
+    if kind == "vat":
+        return export_vat(table, glb, loop, folder, name, options)
     if kind == "usd":
         return export_usd(table, glb, loop, folder, name)
     if kind == "live":
@@ -101,6 +124,7 @@ def options_of(document: str) -> ExportOptions:
     """The options of a JSON text that ``ExportOptions.document`` made. Raises WindError."""
     fields: dict[str, Any] = json.loads(document)
     fields["wind"] = parse_wind(fields["wind"])
+    fields["winds"] = {name: parse_wind(wind) for name, wind in fields["winds"].items()}
     return ExportOptions(**fields)
 
 

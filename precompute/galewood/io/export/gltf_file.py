@@ -16,9 +16,10 @@ from galewood.util import Floats
 if TYPE_CHECKING:
     import pygltflib
 
-GLTF_FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT = 5126, 5121, 5123
-ARRAY_BUFFER = 34962
-COMPONENTS = {"f": GLTF_FLOAT, "u1": UNSIGNED_BYTE, "u2": UNSIGNED_SHORT}
+GLTF_FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5121, 5123, 5125
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+COMPONENTS = {"f": GLTF_FLOAT, "u1": UNSIGNED_BYTE, "u2": UNSIGNED_SHORT, "u4": UNSIGNED_INT}
+KINDS = {GLTF_FLOAT: "<f4", UNSIGNED_BYTE: "u1", UNSIGNED_SHORT: "<u2", UNSIGNED_INT: "<u4"}
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 
@@ -53,23 +54,17 @@ class GltfFile:
 
     def faces(self) -> list[npt.NDArray[np.int64]]:
         """(f, 3) triangles of each mesh."""
-        return [self._numbers(given(mesh.primitives[0].indices)).reshape(-1, 3) for mesh in self.gltf.meshes]
+        used = [given(mesh.primitives[0].indices) for mesh in self.gltf.meshes]
+        return [self._rows(index).astype(np.int64).reshape(-1, 3) for index in used]
 
-    def _rows(self, index: int) -> npt.NDArray[np.float32]:
+    def _rows(self, index: int) -> npt.NDArray[Any]:
+        """(n, k) the values of an accessor."""
         accessor = self.gltf.accessors[index]
         width = next(width for width, kind in TYPES.items() if kind == accessor.type)
-        return self._read(index, "<f4", width).reshape(-1, width)
-
-    def _numbers(self, index: int) -> npt.NDArray[np.int64]:
-        kinds = {UNSIGNED_BYTE: "u1", UNSIGNED_SHORT: "<u2"}
-        kind = kinds.get(self.gltf.accessors[index].componentType, "<u4")
-        return self._read(index, kind, 1).astype(np.int64)
-
-    def _read(self, index: int, kind: str, width: int) -> npt.NDArray[Any]:
-        accessor = self.gltf.accessors[index]
         view = self.gltf.bufferViews[given(accessor.bufferView)]
         start = int(view.byteOffset or 0) + int(accessor.byteOffset or 0)
-        return np.frombuffer(bytes(self._binary), kind, width * int(accessor.count), start)
+        kind, count = KINDS[accessor.componentType], width * int(accessor.count)
+        return np.frombuffer(bytes(self._binary), kind, count, start).reshape(-1, width)
 
     def texture_coordinates(self) -> list[npt.NDArray[np.float32] | None]:
         """(v, 2) first texture coordinates of each mesh; None: it has none."""
@@ -119,6 +114,66 @@ class GltfFile:
             accessor.min, accessor.max = values.min(axis=0).tolist(), values.max(axis=0).tolist()
         self.gltf.accessors.append(accessor)
         return len(self.gltf.accessors) - 1
+
+    def keep(self, part: int, kept: npt.NDArray[np.bool_], rest_m: Floats) -> None:
+        """Leave out the other vertices of a mesh with their triangles, and move the kept ones.
+
+        Args:
+            part: Number of the mesh.
+            kept: (v,) its vertices to keep; whole triangles are kept.
+            rest_m: (v, 3) where they are then.
+        """
+        primitive, faces = self.gltf.meshes[part].primitives[0], self.faces()[part]
+        used = {name: index for name, index in vars(primitive.attributes).items() if isinstance(index, int)}
+        for name, index in used.items():
+            rows = rest_m.astype(np.float32) if name == "POSITION" else self._rows(index)
+            found = self.add_rows(rows[kept], bounds=name == "POSITION", target=ARRAY_BUFFER)
+            self.gltf.accessors[found].normalized = self.gltf.accessors[index].normalized
+            setattr(primitive.attributes, name, found)
+        number = np.cumsum(kept) - 1
+        corners = number[faces[kept[faces].all(axis=1)]].ravel()
+        small = np.uint16 if kept.sum() < 65535 else np.uint32
+        primitive.indices = self.add_rows(corners.astype(small), target=ELEMENT_ARRAY_BUFFER)
+        self.counts[part] = int(kept.sum())
+
+    def drop_unused(self) -> None:
+        """Write the binary part again with what meshes, skins, animations and pictures use."""
+        gltf, before, views = self.gltf, bytes(self._binary), list(self.gltf.bufferViews)
+        accessors = list(gltf.accessors)
+        self._binary, gltf.bufferViews, gltf.accessors = bytearray(), [], []
+        moved, placed = dict[int, int](), dict[int, int]()
+
+        def view_of(index: int) -> int:
+            if index not in placed:
+                view = views[index]
+                start = int(view.byteOffset or 0)
+                self._binary += b"\0" * (-len(self._binary) % 4)
+                view.byteOffset = len(self._binary)
+                self._binary += before[start : start + view.byteLength]
+                placed[index] = len(gltf.bufferViews)
+                gltf.bufferViews.append(view)
+            return placed[index]
+
+        def accessor_of(index: int) -> int:
+            if index not in moved:
+                accessor = accessors[index]
+                accessor.bufferView = view_of(given(accessor.bufferView))
+                moved[index] = len(gltf.accessors)
+                gltf.accessors.append(accessor)
+            return moved[index]
+
+        for mesh in gltf.meshes:
+            primitive = mesh.primitives[0]
+            for name, index in vars(primitive.attributes).items():
+                if isinstance(index, int):
+                    setattr(primitive.attributes, name, accessor_of(index))
+            primitive.indices = accessor_of(given(primitive.indices))
+        for skin in gltf.skins:
+            skin.inverseBindMatrices = accessor_of(given(skin.inverseBindMatrices))
+        for sampler in (one for animation in gltf.animations for one in animation.samplers):
+            sampler.input, sampler.output = accessor_of(sampler.input), accessor_of(sampler.output)
+        for image in gltf.images:
+            image.bufferView = view_of(given(image.bufferView))
 
     def note(self, name: str, about: dict[str, Any]) -> None:
         """Store a description in the extras of the scene."""

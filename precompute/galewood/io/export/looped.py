@@ -59,13 +59,16 @@ class Loop:
 
     def about(self, table: Table) -> dict[str, Any]:
         """What every description of an export says about the motion."""
+        return {**self.about_length(table), "wind": self.wind.document()}
+
+    def about_length(self, table: Table) -> dict[str, Any]:
+        """The same without the wind."""
         return {
             "frames": self.frames,
             "seconds": self.seconds,
             "fps": self.fps,
             "loop": self.closed,
             "height_m": float(table.metadata["height_m"]),
-            "wind": self.wind.document(),
         }
 
 

@@ -9,6 +9,7 @@ four levels. A part is a branch of the table, or the twigs and leaves of one joi
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from galewood.io.export.engine.levels import write_levels
+from galewood.io.export.engine.tangents import add_tangents
 from galewood.io.export.errors import ExportError
 from galewood.io.export.gltf_file import GltfFile
 from galewood.io.export.gltf_names import give_names
 from galewood.io.export.looped import Loop
-from galewood.io.export.options import MOST_BONES
+from galewood.io.export.options import ExportOptions
 from galewood.io.export.skeletal.bones import export_bones
 from galewood.io.export.skeletal.joints import joint_motion, joint_of_vertex
 from galewood.io.export.skeletal.skeleton import branch_of_node, levels, parents_of, samples
@@ -133,11 +136,16 @@ def unpacked_index(packed: npt.NDArray[np.float16]) -> Ints:
 
 
 def export_pivots(
-    table: Table, glb: bytes, loop: Loop, folder: Path, name: str, most_bones: int = MOST_BONES
+    table: Table, glb: bytes, loops: Mapping[str, Loop], folder: Path, name: str, options: ExportOptions
 ) -> dict[str, Any]:
-    """Write textures, static mesh, and a rigged mesh with wind.json; return the description."""
+    """Write textures, static mesh, and a rigged mesh with wind.json; return the description.
+
+    ``loops``: by the name of the wind; how far parts turn is that of the last one.
+    """
+    loop = list(loops.values())[-1]
     file = GltfFile(glb, table)
     give_names(file.gltf, name)
+    add_tangents(file)
     parts = parts_of(table, file.rest_m())
     count = len(parts.parent)
     width = 1 << (int(np.ceil(np.sqrt(count))) - 1).bit_length()
@@ -148,6 +156,7 @@ def export_pivots(
     )
     _write_position(folder / f"{name}_pivot_index.exr", parts, width, height)
     _write_axis(folder / f"{name}_axis_extent.png", parts, width, height)
+    detail = write_levels(file, table, folder, name, options.levels)
     (folder / f"{name}.glb").write_bytes(file.glb())
     description: dict[str, Any] = {
         "format": "galewood-pivots",
@@ -155,12 +164,13 @@ def export_pivots(
         "mesh": f"{name}.glb",
         "textures": {"position_index": f"{name}_pivot_index.exr", "axis_extent": f"{name}_axis_extent.png"},
         "axes": "Unreal: cm, z up; glTF (x, y, z) is (x, z, y); TEXCOORD_1 is the centre of the part's texel",
+        "detail": detail,
         "parts": count,
         "width": width,
         "height": height,
         "levels": _levels(table, parts, loop),
         "frequencies_hz": [float(f) for f in table.metadata["frequencies_hz"][:4]],
-        "rigged": export_bones(table, glb, loop, folder, f"{name}_rigged", most_bones),
+        "rigged": export_bones(table, glb, loops, folder, f"{name}_rigged", options),
     }
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
     return description

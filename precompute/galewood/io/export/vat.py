@@ -18,11 +18,12 @@ from typing import Any
 
 import numpy as np
 
+from galewood.io.export.engine.levels import write_levels
 from galewood.io.export.errors import ExportError
 from galewood.io.export.gltf_file import GltfFile
 from galewood.io.export.gltf_names import give_names
 from galewood.io.export.looped import Loop, seam
-from galewood.io.export.options import TextureFormat
+from galewood.io.export.options import ExportOptions, TextureFormat
 from galewood.io.export.skeletal.joints import RigidMotion, joint_motion, joint_of_vertex, rotated
 from galewood.io.export.textures import (
     MAX_HEIGHT_PX,
@@ -90,9 +91,9 @@ def _power_of_two(count: int) -> int:
 
 
 def export_vat(
-    table: Table, glb: bytes, loop: Loop, folder: Path, name: str, kind: TextureFormat
+    table: Table, glb: bytes, loop: Loop, folder: Path, name: str, options: ExportOptions
 ) -> dict[str, Any]:
-    """Write textures, mesh, description and decoders; return the description. Raises ExportError."""
+    """Write textures, meshes, description and decoders; return the description. Raises ExportError."""
     file = GltfFile(glb, table)
     give_names(file.gltf, name)
     motion = joint_motion(table, loop.q())
@@ -102,7 +103,7 @@ def export_vat(
             f"{loop.frames} frames of {layout.bodies} joints need {layout.height} rows of texels; engines "
             f"take {MAX_HEIGHT_PX}: choose a shorter loop or fewer frames per second"
         )
-    textures = _write_textures(table, motion, layout, folder, name, kind)
+    textures = _write_textures(table, motion, layout, folder, name, options.format)
     file.add_second_coordinates(layout.coordinates(joint_of_vertex(table)))
     description = _description(table, loop, layout, textures)
     rest_m = file.rest_m()
@@ -112,6 +113,7 @@ def export_vat(
         table, rest_m, loop
     )
     description["mesh"] = f"{name}.glb"
+    description["levels"] = write_levels(file, table, folder, name, options.levels)
     file.note("galewood_vat", description)
     (folder / f"{name}.glb").write_bytes(file.glb())
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")

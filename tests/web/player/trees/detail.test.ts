@@ -1,13 +1,12 @@
 import { describe, expect, test } from "vitest";
+import { LEVEL_SHARES, MOST_LEAF_GROWTH } from "../../../../web/player/src/core/constants";
 import { componentCentres, connectedComponents, holders, weldedComponents } from "../../../../web/player/src/trees/mesh/components";
 import {
   branchBases,
   grownLeaf,
-  LEVEL_SHARES,
   leafGrowth,
   leafRanks,
   levelFor,
-  MOST_GROWTH,
   pieceSize,
   rankedIndex,
   shareAt,
@@ -89,12 +88,12 @@ describe("levels of detail", () => {
       const factors = edges(grown).map((edge, i) => edge / edges(corners)[i]);
       for (const factor of factors) {
         expect(factor).toBeCloseTo(factors[0], 9);
-        expect(factor).toBeLessThanOrEqual(MOST_GROWTH + 1e-9);
+        expect(factor).toBeLessThanOrEqual(MOST_LEAF_GROWTH + 1e-9);
       }
       const moved = [0, 1, 2].map((axis) => grown.reduce((sum, c) => sum + c[axis], 0) / 4);
       moved.forEach((x, axis) => expect(x).toBeCloseTo(middle[axis], 9));
     }
-    expect(MOST_GROWTH).toBeLessThanOrEqual(2.5);
+    expect(MOST_LEAF_GROWTH).toBeLessThanOrEqual(2.5);
   });
 
   test("a card is bound to one node; a large piece keeps one node per vertex", () => {

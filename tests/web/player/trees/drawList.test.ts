@@ -1,6 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { cylinderSeen } from "../../../../web/player/src/trees/culling";
-import { LEVEL_COUNT, LEVEL_SHARES } from "../../../../web/player/src/trees/detail";
+import { LEVEL_SHARES } from "../../../../web/player/src/core/constants";
+import { LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
 import { DrawList, type View } from "../../../../web/player/src/trees/drawList";
 import { placeTrees } from "../../../../web/src/scene/placement";
 import { INSTANCE_FLOATS, createInstanceData } from "../../../../web/player/src/trees/instanceData";

@@ -3,8 +3,10 @@ import { fileURLToPath } from "node:url";
 import { Mesh } from "three";
 import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { expect, test, vi } from "vitest";
+import { grownLeaf, pieceSize } from "../../../../web/player/src/trees/detail";
 import { openMesh } from "../../../../web/player/src/trees/mesh/openMesh";
 import { readParts } from "../../../../web/player/src/trees/mesh/treeMesh";
+import { goldenJson } from "../../golden";
 
 const JSON_AT = 20;
 
@@ -37,6 +39,38 @@ test("a compressed mesh has the pieces of the mesh that it stands for", { timeou
     expect(part.counts).toEqual(expected.part.counts);
     const [found, wanted] = [part.normal.array, expected.part.normal.array];
     for (let i = 0; i < wanted.length; i++) expect(Math.abs(found[i] - wanted[i])).toBeLessThan(0.03);
+  });
+});
+
+interface Levels {
+  tree: string;
+  share: number;
+  every: number;
+  parts: { triangles: number[]; rank: number[]; drawn_m: number[][] }[];
+}
+
+test("levels of detail show what exports write into their files", { timeout: 60_000 }, async () => {
+  const expected = goldenJson<Levels>("levels.json");
+  const { share, every } = expected;
+  const { read } = readParts(await openMesh(meshWithoutPictures("shipped/apricot-forest.glb")));
+  expect(read).toHaveLength(expected.parts.length);
+  read.forEach(({ part, geometry }, p) => {
+    const { triangles, rank, drawn_m } = expected.parts[p];
+    expect(part.counts).toEqual(triangles.map((count) => 3 * count));
+    const three = (rows: ArrayLike<number>, step: number, v: number) =>
+      [0, 1, 2].map((axis) => rows[step * v + axis]);
+    rank.forEach((wanted, k) => {
+      const v = every * k;
+      const found = part.piece.array[4 * v + 3];
+      expect(found).toBeCloseTo(wanted, 6);
+      const [at, anchor] = [three(part.position.array, 3, v), three(part.anchor.array, 4, v)];
+      const size = pieceSize(found, share);
+      const drawn =
+        geometry.kind === "leaves"
+          ? grownLeaf(at, anchor, found, share)
+          : at.map((value, axis) => anchor[axis] + size * (value - anchor[axis]));
+      drawn.forEach((value, axis) => expect(value).toBeCloseTo(drawn_m[k][axis], 4));
+    });
   });
 });
 

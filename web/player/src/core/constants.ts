@@ -514,3 +514,21 @@ export const PULL_FORCE_N = 1e9;
 
 /** Height at which the diameter of a trunk is measured [m]. */
 export const BREAST_HEIGHT_M = 1.3;
+
+// ---- levels of detail -------------------------------------------------------------------------------------
+
+/** Share of the leaves and twigs that each level of detail shows. */
+export const LEVEL_SHARES = [1, 0.5, 0.25, 0.13, 0.07] as const;
+/** A piece shrinks while its rank is between the share and (1 + this) times the share. */
+export const SHRINK_RANK_WIDTH = 0.2;
+/**
+ * Remaining leaves grow to keep the area of the crown, up to this factor: larger ones look like no leaves.
+ */
+export const MOST_LEAF_GROWTH = 2.4;
+/**
+ * The foot of a branch is its vertex of the least horizontal distance from the trunk plus this times its
+ * height.
+ */
+export const BRANCH_FOOT_WEIGHT = 0.3;
+/** Second number of the hash by which leaves are ranked. */
+export const RANK_SALT = 11;

@@ -2,16 +2,12 @@
  * Continuous level of detail. Every leaf and branch has a rank in [0, 1). A tree shows the pieces whose rank is below
  * its share; a piece shrinks to a point before it disappears. Pure.
  */
+import { BRANCH_FOOT_WEIGHT, LEVEL_SHARES, MOST_LEAF_GROWTH, RANK_SALT, SHRINK_RANK_WIDTH } from "../core/constants";
 import { hashUnit } from "../core/math/random";
 import { type Components, componentCentres, componentRadii } from "./mesh/components";
 
-/** Levels of detail: index prefixes that contain every piece visible up to this share. */
-export const LEVEL_SHARES = [1, 0.5, 0.25, 0.13, 0.07] as const;
+/** Levels of detail are index prefixes that contain every piece visible up to their share. */
 export const LEVEL_COUNT = LEVEL_SHARES.length;
-/** A piece shrinks while its rank is between share and (1 + SHRINK_RANK_WIDTH) · share. */
-export const SHRINK_RANK_WIDTH = 0.2;
-/** Remaining leaves grow to preserve the crown area, up to this factor: larger ones no longer look like leaves. */
-export const MOST_GROWTH = 2.4;
 /** Share at the second distance of a view. */
 const SHARE_AT_SECOND = 0.2;
 /** Hysteresis: a tree keeps its finer level until it needs this share of the coarser one. */
@@ -40,7 +36,7 @@ export function pieceSize(rank: number, share: number): number {
 }
 
 /** Growth factor of the remaining leaves; same as in the shader. */
-export const leafGrowth = (share: number): number => Math.min(MOST_GROWTH, 1 / Math.sqrt(share));
+export const leafGrowth = (share: number): number => Math.min(MOST_LEAF_GROWTH, 1 / Math.sqrt(share));
 
 /** Position (xyz) of a leaf vertex at this share, scaled about a point; same as in the shader. */
 export function grownLeaf(
@@ -55,7 +51,7 @@ export function grownLeaf(
 
 /** Rank of each leaf, seeded. */
 export function leafRanks(pieces: Components): Float32Array {
-  return Float32Array.from({ length: pieces.count }, (_, piece) => hashUnit(piece, 11));
+  return Float32Array.from({ length: pieces.count }, (_, piece) => hashUnit(piece, RANK_SALT));
 }
 
 /** Rank of each branch, longest first; wood that consists of few pieces stays complete. */
@@ -70,16 +66,13 @@ export function woodRanks(pieces: Components, positions: ArrayLike<number>): Flo
   return ranks;
 }
 
-/** Weight of the height relative to the horizontal distance along a branch. */
-const HEIGHT_WEIGHT = 0.3;
-
 /** The point to which each branch shrinks: its vertex nearest to the base of the trunk, xyz packed. */
 export function branchBases(pieces: Components, positions: ArrayLike<number>): Float32Array {
   const bases = new Float32Array(pieces.count * 3);
   const least = new Float32Array(pieces.count).fill(Number.POSITIVE_INFINITY);
   pieces.ofVertex.forEach((piece, v) => {
     const [x, y, z] = [positions[v * 3], positions[v * 3 + 1], positions[v * 3 + 2]];
-    const out = Math.hypot(x, z) + HEIGHT_WEIGHT * y;
+    const out = Math.hypot(x, z) + BRANCH_FOOT_WEIGHT * y;
     if (out >= least[piece]) return;
     least[piece] = out;
     bases.set([x, y, z], piece * 3);

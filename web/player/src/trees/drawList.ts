@@ -1,7 +1,8 @@
 /** Selects the trees of a frame, their levels of detail and the shadow casters. Pure; no allocation per frame. */
+import { LEVEL_SHARES } from "../core/constants";
 import { fadeAt } from "./crossFade";
 import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling";
-import { LEVEL_COUNT, LEVEL_SHARES, levelFor, shareAt } from "./detail";
+import { LEVEL_COUNT, levelFor, shareAt } from "./detail";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 
 export interface View {

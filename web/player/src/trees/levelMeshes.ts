@@ -10,7 +10,7 @@ import {
   type Material,
   Mesh,
 } from "three";
-import { LEVEL_SHARES } from "./detail";
+import { LEVEL_SHARES } from "../core/constants";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";

@@ -1,8 +1,9 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
 import { type BufferAttribute, Group, type WebGLRenderer } from "three";
+import { LEVEL_SHARES } from "../core/constants";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import { type Bounds, orientedBounds } from "./culling";
-import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
+import { LEVEL_COUNT } from "./detail";
 import { DrawList, type View } from "./drawList";
 import type { FarCards } from "./farCards";
 import type { InstanceData } from "./instanceData";

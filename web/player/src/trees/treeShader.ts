@@ -1,6 +1,6 @@
 /** Shader code of pass 2, shared by the colour and shadow materials. */
 import type { Material, WebGLProgramParametersWithUniforms } from "three";
-import { MOST_GROWTH, SHRINK_RANK_WIDTH } from "./detail";
+import { MOST_LEAF_GROWTH, SHRINK_RANK_WIDTH } from "../core/constants";
 import { WHOLE_SHARE } from "./jointAttribute";
 import { LEAF_FLUTTER } from "./leafFlutter";
 import type { Part } from "./mesh/treeMesh";
@@ -96,7 +96,7 @@ vec3 objectNormal = normalize(stoodNormal(facing));
 const POSITION_GLSL = /* glsl */ `
 float grown = clamp((aTurn.w * ${1 + SHRINK_RANK_WIDTH} - aPiece.w) / (${SHRINK_RANK_WIDTH} * aTurn.w), 0.0, 1.0);
 #ifdef LEAVES
-  grown *= min(${MOST_GROWTH.toFixed(1)}, inversesqrt(aTurn.w));
+  grown *= min(${MOST_LEAF_GROWTH.toFixed(1)}, inversesqrt(aTurn.w));
 #endif
 grown *= hasVariant(aAnchor.w, aPlace.xz);
 vec3 local = mix(aAnchor.xyz, position, grown);

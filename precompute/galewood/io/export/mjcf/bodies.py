@@ -11,13 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from galewood.io.export.skeletal.joints import node_motion
+from galewood.io.export.skeletal.radii import node_radii
 from galewood.io.export.skeletal.skeleton import choose_bones, parents_of, samples
 from galewood.table import Table
 from galewood.util import Floats, Ints
 
 GROUND_BODY = -1
 """Body number of the ground, and of what is clamped in it."""
-LEAST_RADIUS_M = 1e-3
+LEAST_LENGTH_M = 1e-3
 SHAPE_M = 0.01
 """Displacement of the poses that bodies are chosen by: small, so that the motion is linear."""
 
@@ -68,7 +69,7 @@ def rigid_tree(table: Table, rest_m: Floats, most: int) -> RigidTree:
     body = np.where(hinged, np.cumsum(hinged) - 1, GROUND_BODY)
     node = bones.node[hinged]
     arm = place[node] - place[parent[node]]
-    length = np.maximum(np.linalg.norm(arm, axis=1), LEAST_RADIUS_M)
+    length = np.maximum(np.linalg.norm(arm, axis=1), LEAST_LENGTH_M)
     return RigidTree(
         node=node,
         parent=body[bones.parent[hinged]],
@@ -88,25 +89,3 @@ def _axes(arm: Floats) -> Floats:
     across /= np.linalg.norm(across)
     basis: Floats = np.stack([across, np.cross(along, across), along]).astype(np.float64)
     return basis
-
-
-def wood_vertices(table: Table) -> Ints:
-    """Numbers of the vertices of the primitives that were meshed."""
-    primitives = table.metadata["primitives"]
-    kind = np.repeat([p["kind"] for p in primitives], [int(p["vertices"]) for p in primitives])
-    return np.flatnonzero(kind == "wood")
-
-
-def node_radii(table: Table, rest_m: Floats) -> Floats:
-    """(n,) median distance of the wood's vertices from the axis; nodes without any take their parent's."""
-    wood = wood_vertices(table)
-    parent, place = parents_of(table), table.node_rest_m.astype(np.float64)
-    node = table.vertex_node[wood].astype(np.int64)
-    along = np.stack([_axes(place[k] - place[p] if p >= 0 else np.zeros(3))[2] for k, p in enumerate(parent)])
-    arm = rest_m[wood] - table.joint_rest_m[table.vertex_joint[wood]]
-    away = np.linalg.norm(arm - (arm * along[node]).sum(axis=1, keepdims=True) * along[node], axis=1)
-    radius = np.zeros(len(parent))
-    for k, above in enumerate(parent):
-        own = away[node == k]
-        radius[k] = np.median(own) if len(own) else radius[above] if above >= 0 else 0.0
-    return np.maximum(radius, LEAST_RADIUS_M)

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree, wood_vertices
+from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree
 from galewood.io.export.mjcf.solid import Solid
+from galewood.io.export.skeletal.radii import wood_vertices
 from galewood.solid.skinning import vertex_rows
 from galewood.table import Table
 from galewood.util import Floats, Ints

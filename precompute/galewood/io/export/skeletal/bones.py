@@ -1,18 +1,22 @@
-"""A GLB with a skeleton, skin weights and a looping animation (glTF 2.0, section 3.7.3)."""
+"""A GLB with a skeleton, skin weights and looping animations (glTF 2.0, section 3.7.3)."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from galewood.io.export.engine.levels import write_levels
+from galewood.io.export.engine.tangents import add_tangents
 from galewood.io.export.gltf_file import GltfFile
 from galewood.io.export.gltf_names import give_names
 from galewood.io.export.looped import Loop, seam
-from galewood.io.export.options import MOST_BONES
+from galewood.io.export.options import ExportOptions
+from galewood.io.export.skeletal.clips import Clip, add_clip, clip_of, local_motion, local_rest, product
 from galewood.io.export.skeletal.joints import (
     RigidMotion,
     joint_motion,
@@ -20,45 +24,43 @@ from galewood.io.export.skeletal.joints import (
     node_motion,
     rotated,
 )
-from galewood.io.export.skeletal.skeleton import Skeleton, choose_bones, samples
+from galewood.io.export.skeletal.skeleton import MAX_POSES, Skeleton, choose_bones
 from galewood.io.export.skeletal.skinning import BONES_PER_VERTEX, fitted_weights
+from galewood.io.export.skeletal.trunk import add_capsule, trunk_capsule
 from galewood.io.export.skeletal.wind_groups import wind_groups
 from galewood.solid.skinning import drawn_positions
 from galewood.table import Table
 from galewood.util import Floats, Ints
 
-if TYPE_CHECKING:
-    import pygltflib
-
 MEASURED_MOMENTS = 64
-STILL_TOLERANCE = 1e-6
-"""A bone that moves less than this, m or in a quaternion, has no channel in the animation."""
 
 
 @dataclass(frozen=True)
 class Rig:
-    """A skeleton, its motion at the keys of a loop, and the bones of every vertex."""
+    """A skeleton, and the bones of every vertex."""
 
     skeleton: Skeleton
-    motion: RigidMotion
-    """Of the bones: displacement and rotation about their places at rest."""
     bones: Ints
     """(v, 4)"""
     weights: Floats
     """(v, 4)"""
 
 
-def rigged(table: Table, rest_m: Floats, loop: Loop, most: int = MOST_BONES) -> Rig:
-    """Bones at the nodes of the table, and weights fitted to the motion of the loop."""
-    q = loop.keys()
-    motion = node_motion(table, q)
-    few = samples(motion)
-    skeleton = choose_bones(table, few, most)
-    of_bones = RigidMotion(few.moved_m[:, skeleton.node], few.rotation[:, skeleton.node])
-    bones, weights = fitted_weights(table, rest_m, skeleton, of_bones, samples(joint_motion(table, q)))
+def rigged(table: Table, rest_m: Floats, loops: Sequence[Loop], most: int) -> Rig:
+    """At most ``most`` bones at the nodes of the table, and weights fitted to the motion of all loops."""
+    few = _few_poses(loops)
+    of_nodes = node_motion(table, few)
+    skeleton = choose_bones(table, of_nodes, most)
+    of_bones = RigidMotion(of_nodes.moved_m[:, skeleton.node], of_nodes.rotation[:, skeleton.node])
+    bones, weights = fitted_weights(table, rest_m, skeleton, of_bones, joint_motion(table, few))
     joint = joint_of_vertex(table)
-    whole = RigidMotion(motion.moved_m[:, skeleton.node], motion.rotation[:, skeleton.node])
-    return Rig(skeleton, whole, bones[joint], _normal(weights)[joint])
+    return Rig(skeleton, bones[joint], _normal(weights)[joint])
+
+
+def _few_poses(loops: Sequence[Loop]) -> Floats:
+    """(T, r) at most MAX_POSES poses of all loops, evenly spaced."""
+    q = np.concatenate([loop.keys() for loop in loops])
+    return q[np.unique(np.linspace(0, len(q) - 1, min(len(q), MAX_POSES)).astype(np.int64))]
 
 
 def _normal(weights: Floats) -> Floats:
@@ -68,13 +70,13 @@ def _normal(weights: Floats) -> Floats:
     return rounded
 
 
-def skinned(rig: Rig, rest_m: Floats, frame: float) -> Floats:
-    """(v, 3) vertices at a frame number below the last, by linear blend skinning, as glTF players do it.
+def skinned(rig: Rig, motion: RigidMotion, rest_m: Floats, frame: float) -> Floats:
+    """(v, 3) vertices at a frame number of a clip, by linear blend skinning, as glTF players do it.
 
     Players interpolate each bone's translation and rotation relative to its parent.
     """
     first, share = int(frame), frame - int(frame)
-    local = local_motion(rig.skeleton, rig.motion)
+    local = local_motion(rig.skeleton, motion)
     second = first + 1
     place = (1 - share) * local.moved_m[first] + share * local.moved_m[second]
     turn = (1 - share) * local.rotation[first] + share * local.rotation[second]
@@ -88,66 +90,71 @@ def skinned(rig: Rig, rest_m: Floats, frame: float) -> Floats:
     return found
 
 
-def local_motion(skeleton: Skeleton, motion: RigidMotion) -> RigidMotion:
-    """Translations (T, b, 3) and rotations (T, b, 4) of the bones relative to their parents."""
-    where = skeleton.place_m + motion.moved_m
-    above = np.maximum(skeleton.parent, 0)
-    root = (skeleton.parent < 0)[None, :, None]
-    back = motion.rotation[:, above] * np.array([-1.0, -1.0, -1.0, 1.0])
-    place = np.where(root, where, rotated(back, where - where[:, above]))
-    return RigidMotion(place, np.where(root, motion.rotation, _product(back, motion.rotation)))
-
-
 def _global(skeleton: Skeleton, place: Floats, turn: Floats) -> tuple[Floats, Floats]:
     where, rotation = place.copy(), turn.copy()
     for bone, above in enumerate(skeleton.parent):
         if above >= 0:
             where[bone] = where[above] + rotated(rotation[above], place[bone])
-            rotation[bone] = _product(rotation[above], turn[bone])
+            rotation[bone] = product(rotation[above], turn[bone])
     return where, rotation
 
 
-def _product(a: Floats, b: Floats) -> Floats:
-    """Quaternions (…, 4) of the rotation b followed by a."""
-    along, other = a[..., :3], b[..., :3]
-    vector = a[..., 3:] * other + b[..., 3:] * along + np.cross(along, other)
-    return np.concatenate(
-        [vector, a[..., 3:] * b[..., 3:] - (along * other).sum(axis=-1, keepdims=True)], axis=-1
-    )
-
-
 def export_bones(
-    table: Table, glb: bytes, loop: Loop, folder: Path, name: str, most: int = MOST_BONES
+    table: Table, glb: bytes, loops: Mapping[str, Loop], folder: Path, name: str, options: ExportOptions
 ) -> dict[str, Any]:
-    """Write the rigged GLB, wind.json for Unreal, and a description; return it. Raises ExportError."""
+    """Write the rigged GLB with a clip NAME_WIND for each loop, its coarser levels of detail, and wind.json.
+
+    Returns the description, which is written too. ``loops``: by the name of the wind. Raises ExportError.
+    """
     file = GltfFile(glb, table)
     give_names(file.gltf, name)
+    add_tangents(file)
     rest_m = file.rest_m()
-    rig = rigged(table, rest_m, loop, most)
+    rig = rigged(table, rest_m, list(loops.values()), options.bones)
+    clips = [clip_of(table, rig.skeleton, f"{name}_{wind}", loop) for wind, loop in loops.items()]
+    first = _add_rig(file, rig, name)
+    levels = write_levels(file, table, folder, name, options.levels)
+    capsule = trunk_capsule(table, rest_m)
+    add_capsule(file, capsule, name)
+    for clip in clips:
+        add_clip(file, rig.skeleton, clip, first)
+    about = [_about(table, rest_m, rig, clip) for clip in clips]
     description: dict[str, Any] = {
         "format": "galewood-bones",
-        "version": 1,
+        "version": 2,
         "mesh": f"{name}.glb",
         "bones": len(rig.skeleton.node),
-        "animation": f"{name}_sway",
-        **loop.about(table),
-        "measured": _errors(table, rest_m, loop, rig) | seam(table, rest_m, loop),
+        **clips[0].loop.about_length(table),
+        "clips": about,
+        "levels": levels,
+        "trunk": {"foot_m": capsule.foot_m.tolist(), "top_m": capsule.top_m.tolist(), **capsule.about()},
+        "measured": {key: max(each["measured"][key] for each in about) for key in about[0]["measured"]},
     }
-    _add_rig(file, rig, loop, name)
     file.note("galewood_bones", description)
     (folder / f"{name}.glb").write_bytes(file.glb())
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
-    groups = wind_groups(table, rig.skeleton, rig.motion)
+    groups = wind_groups(table, rig.skeleton, _joined([clip.motion for clip in clips]))
     (folder / f"{name}.wind.json").write_text(json.dumps(groups, indent=2) + "\n")
     return description
 
 
-def _errors(table: Table, rest_m: Floats, loop: Loop, rig: Rig) -> dict[str, float]:
-    worst, squares = 0.0, 0.0
+def _joined(motions: Sequence[RigidMotion]) -> RigidMotion:
+    """Motions of the same bodies, one after another."""
+    moved = np.concatenate([motion.moved_m for motion in motions])
+    return RigidMotion(moved, np.concatenate([motion.rotation for motion in motions]))
+
+
+def _about(table: Table, rest_m: Floats, rig: Rig, clip: Clip) -> dict[str, Any]:
+    measured = _errors(table, rest_m, rig, clip) | seam(table, rest_m, clip.loop)
+    return {"animation": clip.name, "wind": clip.loop.wind.document(), "measured": measured}
+
+
+def _errors(table: Table, rest_m: Floats, rig: Rig, clip: Clip) -> dict[str, float]:
+    worst, squares, loop = 0.0, 0.0, clip.loop
     moments = np.linspace(0.0, loop.frames, min(MEASURED_MOMENTS, 2 * loop.frames), endpoint=False)
     for frame in moments:
         exact = drawn_positions(table, rest_m, loop.q_at(frame * loop.seconds / loop.frames))
-        apart = np.linalg.norm(skinned(rig, rest_m, float(frame)) - exact, axis=1)
+        apart = np.linalg.norm(skinned(rig, clip.motion, rest_m, float(frame)) - exact, axis=1)
         worst, squares = max(worst, float(apart.max())), squares + float(np.square(apart).mean())
     percent = 100 / float(table.metadata["height_m"])
     return {
@@ -156,7 +163,8 @@ def _errors(table: Table, rest_m: Floats, loop: Loop, rig: Rig) -> dict[str, flo
     }
 
 
-def _add_rig(file: GltfFile, rig: Rig, loop: Loop, name: str) -> None:
+def _add_rig(file: GltfFile, rig: Rig, name: str) -> int:
+    """Add skeleton and skin; return the node of the first bone."""
     import pygltflib
 
     gltf, skeleton = file.gltf, rig.skeleton
@@ -165,10 +173,7 @@ def _add_rig(file: GltfFile, rig: Rig, loop: Loop, name: str) -> None:
     file.add_attribute("JOINTS_0", np.where(rig.weights > 0, rig.bones, 0).astype(kind))
     file.add_attribute("WEIGHTS_0", rig.weights.astype(np.float32))
     first = len(gltf.nodes)
-    local = local_motion(skeleton, rig.motion)
-    rest = np.where(
-        (skeleton.parent < 0)[:, None], skeleton.place_m, skeleton.place_m - skeleton.place_m[skeleton.parent]
-    )
+    rest = local_rest(skeleton)
     for bone, bone_name in enumerate(skeleton.name):
         children = (first + np.flatnonzero(skeleton.parent == bone)).tolist()
         gltf.nodes.append(
@@ -191,39 +196,4 @@ def _add_rig(file: GltfFile, rig: Rig, loop: Loop, name: str) -> None:
     for node in gltf.nodes[:first]:
         if node.mesh is not None:
             node.skin = len(gltf.skins) - 1
-    animation = pygltflib.Animation(name=f"{name}_sway")
-    gltf.animations.append(animation)
-    _animate(file, animation, local, rest, first, loop.key_times_s())
-
-
-def _animate(
-    file: GltfFile,
-    animation: pygltflib.Animation,
-    local: RigidMotion,
-    rest: Floats,
-    first: int,
-    times_s: Floats,
-) -> None:
-    """Add channels for the bones that move; ``first``: node of the first bone."""
-    import pygltflib
-
-    time = file.add_rows(times_s.astype(np.float32), bounds=True)
-    still = np.array([0.0, 0.0, 0.0, 1.0])
-    for bone in range(len(rest)):
-        tracks = (
-            ("translation", local.moved_m[:, bone], rest[bone]),
-            ("rotation", local.rotation[:, bone], still),
-        )
-        for path, rows, at_rest in tracks:
-            # an animation must have a channel, also in still air
-            needed = bone == 0 and path == "translation"
-            if np.abs(rows - at_rest).max() < STILL_TOLERANCE and not needed:
-                continue
-            output = file.add_rows(rows.astype(np.float32))
-            animation.samplers.append(
-                pygltflib.AnimationSampler(input=time, output=output, interpolation="LINEAR")
-            )
-            target = pygltflib.AnimationChannelTarget(node=first + bone, path=path)
-            animation.channels.append(
-                pygltflib.AnimationChannel(sampler=len(animation.samplers) - 1, target=target)
-            )
+    return first

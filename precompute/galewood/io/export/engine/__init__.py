@@ -1,0 +1,1 @@
+"""What engines expect of a mesh beside its motion: tangents and levels of detail."""
