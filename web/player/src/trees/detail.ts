@@ -2,7 +2,13 @@
  * Continuous level of detail. Every leaf and branch has a rank in [0, 1). A tree shows the pieces whose rank is below
  * its share; a piece shrinks to a point before it disappears. Pure.
  */
-import { BRANCH_FOOT_WEIGHT, LEVEL_SHARES, MOST_LEAF_GROWTH, RANK_SALT, SHRINK_RANK_WIDTH } from "../core/constants";
+import {
+  BRANCH_FOOT_WEIGHT,
+  LEVEL_SHARES,
+  MOST_LEAF_GROWTH,
+  RANK_SALT,
+  SHRINK_RANK_WIDTH,
+} from "../core/constants";
 import { hashUnit } from "../core/math/random";
 import { type Components, componentCentres, componentRadii } from "./mesh/components";
 
