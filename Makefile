@@ -32,7 +32,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run develop build player wheel test test-long test-all check coverage docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
+.PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -73,6 +73,9 @@ SITE := build/.kernels web/dist/index.html web/player/dist/core.js
 
 # ---- everyday --------------------------------------------------------------------------------------
 player: web/player/dist/core.js ## the npm package for other pages, in web/player/dist
+
+trees: node_modules/.stamp ## the npm package of the built-in trees, in build/npm
+	@mkdir -p build/npm && cd web/trees && npm pack --silent --offline --pack-destination ../../build/npm
 
 develop: build player $(VENV)/.dev ## what tests and checks need as well
 
@@ -208,4 +211,4 @@ build/audit/.made: requirements/audit.txt
 	@touch $@
 
 clean: ## remove what the targets above made (not the data directory)
-	rm -rf build dist web/dist web/player/dist node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report
+	rm -rf build dist web/dist web/player/dist web/trees/dist node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report

@@ -34,6 +34,8 @@ def test_the_version_is_the_same_everywhere() -> None:
     versions = {
         "web/package.json": json.loads(text("web/package.json"))["version"],
         "web/player/package.json": json.loads(text("web/player/package.json"))["version"],
+        "web/trees/package.json": json.loads(text("web/trees/package.json"))["version"],
+        "web/trees/README.md": re.findall(r"galewood-trees-([\d.]+)\.tgz", text("web/trees/README.md"))[-1],
         "CITATION.cff": citation["version"],
         "README.md": wheel[1],
         "docker-compose.yml": image[1],
