@@ -32,7 +32,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
+.PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-python-versions test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -134,6 +134,9 @@ test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in ever
 
 test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far from the repository
 	$(PYTEST) tests/package
+
+test-python-versions: ## a part of the tests with Python 3.12 and 3.13, where they are installed (eight minutes each)
+	scripts/test-python-versions
 
 test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
 	$(BIN)/python scripts/test-distributed
