@@ -136,7 +136,7 @@ test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far 
 	$(PYTEST) tests/package
 
 test-python-versions: ## a part of the tests with Python 3.12 and 3.13, where they are installed (eight minutes each)
-	scripts/test-python-versions
+	$(PYTHON) tests/package/python_versions.py
 
 test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
 	$(BIN)/python scripts/test-distributed

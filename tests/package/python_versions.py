@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """`make test-python-versions`: the locked packages and a part of the tests, with other versions of Python.
 
 For every version an environment is made in build/python, with the packages and hashes of requirements/*.txt. A
@@ -13,11 +12,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 VERSIONS = ("3.12", "3.13")
 """Beside 3.11, with which `make test` runs where it is installed."""
 LOCK_FILES = ("base", "dev", "client")
-TESTED = (
+TEST_GROUPS = (
     ["tests/docs/test_snippets.py", "-k", "readme_runs_as_a_file"],
     [f"tests/precompute/{part}" for part in ("formats", "io", "motion", "player", "table", "wood")],
     ["tests/server/api"],
@@ -62,7 +61,7 @@ def main() -> int:
         tested.append(version)
         own = prepared(version, python)
         environment = {**os.environ, "NUMBA_CACHE_DIR": str(own.parents[1] / "numba")}
-        for tests in TESTED:
+        for tests in TEST_GROUPS:
             call = [str(own), "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not species", *tests]
             if subprocess.run(call, cwd=ROOT, env=environment).returncode:
                 failed.append(version)
