@@ -1,7 +1,7 @@
 """`make test-python-versions`: the locked packages and a part of the tests, with other versions of Python.
 
-For every version an environment is made in build/python, with the packages and hashes of requirements/*.txt. A
-version without an interpreter is skipped, and said to be; the exit status is 1 if a test of another one fails.
+For every version an environment is made in build/python, with the packages and hashes of requirements/*.txt.
+A version without an interpreter is skipped, and said to be; the exit status is 1 if a test of another fails.
 """
 
 from __future__ import annotations
