@@ -1,5 +1,6 @@
 /**
- * The wind around the camera, as a texture for grass, ferns and shrubs: the gusts that pass through the crowns bow them too.
+ * How far the wind bows grass around the camera, as a texture: the gusts that pass through the crowns bow grass, ferns and
+ * shrubs too.
  * A lattice that stays in place while the camera moves.
  */
 import type { WindField } from "galewood/wind";
@@ -19,16 +20,12 @@ export function grassLean_rad(speed_m_s: number): number {
   return (MOST_LEAN_RAD * drag) / (drag + HALF_LEAN_M_S ** 2);
 }
 
-/** `windAt(place)`: wind above a place (x, z), m/s; `leanIn(speed)`: as `grassLean_rad`. */
+/** `leanAt(place)`: lean of grass at a place (x, z), rad, along the wind (`grassLean_rad`). */
 export const GROUND_WIND_PARS = /* glsl */ `
-uniform sampler2D uGroundWind;
-uniform vec3 uGroundWindAt; // x and z of the first place, m; 1 / m
-vec2 windAt(vec2 place) {
-  return texture2D(uGroundWind, (place - uGroundWindAt.xy) * uGroundWindAt.z).rg;
-}
-float leanIn(float speed) {
-  float drag = ${(GROUND_SHARE ** 2).toFixed(4)} * speed * speed;
-  return ${MOST_LEAN_RAD.toFixed(2)} * drag / (drag + ${(HALF_LEAN_M_S ** 2).toFixed(2)});
+uniform sampler2D uGroundLean;
+uniform vec3 uGroundLeanAt; // x and z of the edge of the first texel, m; 1 / m
+vec2 leanAt(vec2 place) {
+  return texture2D(uGroundLean, (place - uGroundLeanAt.xy) * uGroundLeanAt.z).rg;
 }
 `;
 
@@ -36,8 +33,8 @@ export class GroundWind {
   readonly data = new Uint16Array(2 * SIDE_PLACES ** 2);
   private readonly texture = new DataTexture(this.data, SIDE_PLACES, SIDE_PLACES, RGFormat, HalfFloatType);
   readonly uniforms = {
-    uGroundWind: { value: this.texture },
-    uGroundWindAt: { value: new Vector3(0, 0, 1 / (SIDE_PLACES * SPACING_M)) },
+    uGroundLean: { value: this.texture },
+    uGroundLeanAt: { value: new Vector3(0, 0, 1 / (SIDE_PLACES * SPACING_M)) },
   };
   readonly x = new Float64Array(SIDE_PLACES ** 2);
   readonly z = new Float64Array(SIDE_PLACES ** 2);
@@ -57,11 +54,13 @@ export class GroundWind {
       this.z[i] = (row + Math.floor(i / SIDE_PLACES) - SIDE_PLACES / 2) * SPACING_M;
     }
     // The middle of the first texel lies at the first place.
-    this.uniforms.uGroundWindAt.value.setX(this.x[0] - SPACING_M / 2).setY(this.z[0] - SPACING_M / 2);
+    this.uniforms.uGroundLeanAt.value.setX(this.x[0] - SPACING_M / 2).setY(this.z[0] - SPACING_M / 2);
     field.velocity(this.x, this.z, field.at(time_s), this.vx, this.vz);
     for (let i = 0; i < this.x.length; i++) {
-      this.data[2 * i] = DataUtils.toHalfFloat(this.vx[i]);
-      this.data[2 * i + 1] = DataUtils.toHalfFloat(this.vz[i]);
+      const speed = Math.hypot(this.vx[i], this.vz[i]);
+      const lean_per_m_s = grassLean_rad(speed) / Math.max(speed, 1e-6);
+      this.data[2 * i] = DataUtils.toHalfFloat(lean_per_m_s * this.vx[i]);
+      this.data[2 * i + 1] = DataUtils.toHalfFloat(lean_per_m_s * this.vz[i]);
     }
     this.texture.needsUpdate = true;
   }

@@ -53,11 +53,9 @@ vec3 objectNormal = vec3(spin * normal.xz, normal.y).xzy;
 const POSITION_GLSL = /* glsl */ `
 float near = 1.0 - smoothstep(0.75, 1.0, distance(aPlant.xz, uEye.xz) / uReach);
 vec2 spun = spin * position.xz;
-vec2 wind = windAt(aPlant.xz);
-float speed = length(wind);
 float beat = uSeconds * 5.0 + aLook.w * 30.0;
 float tremble = 1.0 + 0.12 * sin(beat) + 0.08 * sin(2.7 * beat + 9.0 * position.x);
-vec2 bow = wind / max(speed, 0.01) * BEND * leanIn(speed) * tremble * position.y * position.y;
+vec2 bow = leanAt(aPlant.xz) * BEND * tremble * position.y * position.y;
 #ifdef FLAT
   // A fallen leaf lies askew.
   vec3 transformed = aPlant.xyz + aPlant.w * near * vec3(spun.x, position.y + 0.5 * (fract(aLook.w * 7.0) - 0.4) * position.x, spun.y);
