@@ -10,7 +10,7 @@ import {
   MOST_ATLASES,
   viewport,
 } from "../../../web/src/scene/impostors/baking/atlasLayout";
-import { farPlaces, plantFar, REACH_M, shareOfPlaces, THINNING_LEVELS } from "../../../web/src/scene/impostors/farPlaces";
+import { farPlaces, plantFar, REACH_M, shareDrawn, THINNING_LEVELS } from "../../../web/src/scene/background/farPlaces";
 import {
   type Direction,
   directionAt,
@@ -190,7 +190,7 @@ describe("background forest", () => {
   ])("goes on beyond %i planted trees without a gap, an overlap or a tree in the glade", (count, seed, density) => {
     const planted = placeTrees(count, seed, density);
     const edge_m = edgeOf(count, seed, density);
-    const far = farPlaces(edge_m, seed, density, THINNING_LEVELS.high);
+    const far = farPlaces(edge_m, seed, density);
     const ids = new Set(planted.map(({ id }) => id));
     expect(far.some(({ id }) => ids.has(id))).toBe(false);
     expect(far.every(({ x_m, z_m }) => glade(x_m, z_m) < 0.5)).toBe(true);
@@ -206,9 +206,9 @@ describe("background forest", () => {
     expect(nearest_m).toBeGreaterThan(0.5); // as among planted trees
   });
 
-  test("beside the edge it is as dense as the simulated forest, and it thins out", () => {
+  test("it is as dense as the simulated forest, and fewer of its trees are drawn far from the eye", () => {
     const edge_m = edgeOf(400, 7);
-    const far = farPlaces(edge_m, 7, 1, THINNING_LEVELS.high);
+    const far = farPlaces(edge_m, 7, 1);
     const whole = placeTrees(1000, 7).filter((place) => reach_m(place) > edge_m);
     const reach = Math.max(...whole.map(reach_m));
     expect(far.filter((place) => reach_m(place) <= reach).map(({ id }) => id).sort()).toEqual(
@@ -216,7 +216,7 @@ describe("background forest", () => {
     );
     let before = 1;
     for (let from_m = 0; from_m < REACH_M; from_m += 10) {
-      const share = shareOfPlaces(from_m, THINNING_LEVELS.low);
+      const share = shareDrawn(from_m, THINNING_LEVELS.low);
       expect(share).toBeLessThanOrEqual(before);
       before = share;
     }
@@ -224,7 +224,7 @@ describe("background forest", () => {
   });
 
   test("shows no regular grid: the places have no preferred phase, and the distances between them vary", () => {
-    const far = farPlaces(80, 7, 1, THINNING_LEVELS.medium);
+    const far = farPlaces(80, 7, 1);
     for (const phases of [far.map(({ x_m }) => x_m / SPACING_M), far.map(({ z_m }) => z_m / (0.9 * SPACING_M))]) {
       const mean = (of: (turns: number) => number) =>
         phases.reduce((sum, turns) => sum + of(2 * Math.PI * turns), 0) / phases.length;
@@ -255,7 +255,7 @@ describe("background forest", () => {
       tree("maple-forest", "maple", "forest"),
       tree("mine", null, "open", false),
     ];
-    const far = farPlaces(60, 7, 1, THINNING_LEVELS.high);
+    const far = farPlaces(60, 7, 1);
     const chosen = plantFar(trees, far, {});
     const usual = plant(trees.slice(0, 4), far, {});
     const kinds = kindsOf(trees.slice(0, 4));

@@ -21,7 +21,7 @@ export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
 export { openMesh } from "./trees/mesh/openMesh";
 export {
-  type BarePart,
+  type AddedPart,
   disposeModel,
   type Part,
   type ReadPart,

@@ -12,13 +12,14 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { Backdrop } from "./backdrop";
+import { Backdrop } from "./background/backdrop";
+import type { Planted } from "./background/farWood";
 import { EDGE_VIEW } from "./camera/viewpoints";
-import type { Planted } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { GroundWind } from "./ground/groundWind";
 import { groundHeight_m } from "./ground/landscape";
+import { StemFeet } from "./ground/stemFeet";
 import { Terrain } from "./ground/terrain";
 import { Undergrowth } from "./ground/undergrowth";
 import type { Quality } from "./quality";
@@ -48,6 +49,7 @@ export class Stage {
   readonly sky = new Sky(this.pictures);
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
+  private readonly feet = new StemFeet();
   private readonly lighting: Lighting;
   private readonly wind = new GroundWind();
   private readonly undergrowth: Undergrowth;
@@ -80,7 +82,7 @@ export class Stage {
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
     this.lighting = new Lighting(this.sky, this.daylight);
-    this.backdrop = new Backdrop(canvas, this.daylight, quality);
+    this.backdrop = new Backdrop(canvas, this.daylight, quality, this.pictures.noise);
     this.cover = new GroundCover(quality, this.wind);
     this.undergrowth = new Undergrowth(quality, this.pictures.plants, this.wind);
     this.leaves = new FlyingLeaves(quality, groundHeight_m);
@@ -88,9 +90,11 @@ export class Stage {
     this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);
     this.scene.add(
       this.terrain.mesh,
+      this.feet.mesh,
       this.sky.mesh,
       this.cover.mesh,
       this.backdrop.wood.group,
+      this.backdrop.canopy.mesh,
       this.daylight.group,
     );
     this.camera.position.copy(EDGE_VIEW.eye);
@@ -142,6 +146,7 @@ export class Stage {
     this.sheltering = crowns;
     this.lighting.crowns = crowns;
     this.undergrowth.shelter(crowns);
+    this.feet.shelter(crowns);
     this.backdrop.shelter(crowns);
   }
 
@@ -162,6 +167,7 @@ export class Stage {
     this.wind.update(gusts, time_s, this.camera.position);
     this.cover.update(this.camera.position, time_s);
     this.undergrowth.update(this.camera.position, time_s);
+    this.feet.update(this.camera.position);
   }
 
   /** Plants the background forest around the simulated trees. */
@@ -223,6 +229,7 @@ export class Stage {
     this.controls.dispose();
     this.sky.dispose();
     this.terrain.dispose();
+    this.feet.dispose();
     this.cover.dispose();
     this.wind.dispose();
     this.undergrowth.dispose();

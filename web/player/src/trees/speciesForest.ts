@@ -9,7 +9,7 @@ import type { FarCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
 import { jointAttribute, pivotAttribute } from "./jointAttribute";
 import { LevelMeshes, type LevelPart, type LevelTexels, type ShadowOptions } from "./levelMeshes";
-import type { TreeModel, TreePart } from "./mesh/treeMesh";
+import type { AddedPart, TreeModel, TreePart } from "./mesh/treeMesh";
 import { NodePass } from "./nodes/nodePass";
 import type { MaterialMaker, PartMaterials } from "./partMaterials";
 import type { PullSlots, ShownPull } from "./pull/pullSlots";
@@ -100,32 +100,34 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   private makeParts(): OwnPart[] {
     let firstVertex = 0;
     const parts = this.model.parts.map((part) => {
-      const own = this.ownPart(part, firstVertex, false);
+      const own = this.ownPart(part, firstVertex, firstVertex);
       firstVertex += part.vertices;
       return own;
     });
     const shoots = this.options.shoots ? this.model.bare : [];
-    const bare = shoots.map(({ part, of }) => this.ownPart(part, parts[of].firstVertex, true));
-    return [...parts, ...bare];
+    const held = ({ part, of }: AddedPart) => this.ownPart(part, parts[of].firstVertex, null);
+    const bare = shoots.map((shoot) => ({ ...held(shoot), bare: true }));
+    return [...parts, ...this.model.added.map(held), ...bare];
   }
 
-  private ownPart(part: TreePart, firstVertex: number, bare: boolean): OwnPart {
+  /** `pullFirst`: as for `materials`. */
+  private ownPart(part: TreePart, firstVertex: number, pullFirst: number | null): OwnPart {
     return {
       part,
       firstVertex,
-      bare,
+      bare: false,
       pivot: this.motion && pivotAttribute(part, firstVertex, this.motion),
-      moving: this.motion ? this.materials(part, true, bare ? null : firstVertex) : null,
+      moving: this.motion ? this.materials(part, true, pullFirst) : null,
       still: this.motion ? null : this.materials(part, false, null),
     };
   }
 
-  /** `firstVertex`: of the part in the fields of pulled points, which leave out shoots in place of leaves (null). */
-  private materials(part: TreePart, moves: boolean, firstVertex: number | null): PartMaterials {
+  /** `pullFirst`: first vertex of the part in the fields of pulled points, which leave out added parts (null). */
+  private materials(part: TreePart, moves: boolean, pullFirst: number | null): PartMaterials {
     const uniforms =
-      firstVertex === null
+      pullFirst === null
         ? { ...this.uniforms, uPulls: { value: 0 } }
-        : { ...this.uniforms, uPullFirst: { value: firstVertex } };
+        : { ...this.uniforms, uPullFirst: { value: pullFirst } };
     const materials = this.options.materials(part.material, part.kind, uniforms, moves);
     materials.colour.vertexColors = part.colour !== null;
     return materials;

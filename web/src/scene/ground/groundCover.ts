@@ -91,7 +91,7 @@ vLook = aLook;
 `;
 
 const COLOUR_GLSL = /* glsl */ `
-vec3 green = mix(vec3(0.11, 0.17, 0.035), vec3(0.36, 0.31, 0.11), vLook.y) * uGrassTint;
+vec3 green = mix(vec3(0.125, 0.185, 0.042), vec3(0.36, 0.31, 0.11), vLook.y) * uGrassTint;
 diffuseColor.rgb = green * (0.3 + 0.9 * vUp) * (0.8 + 0.4 * vLook.x);
 // Ears of old blades, and flowers.
 diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.4, 0.3, 0.14), 0.6 * vLook.y * smoothstep(0.75, 0.95, vUp));
@@ -116,11 +116,11 @@ function tuftIn(column: number, row: number, spacing_m: number): number[] {
   const x = (column + at(0)) * spacing_m;
   const z = (row + at(1)) * spacing_m;
   const open = glade(x, z);
-  if (at(2) >= 0.16 + 0.7 * open) return [0, 0, 0, 0, 0, 0, 0, 0];
+  if (at(2) >= 0.34 + 0.6 * open) return [0, 0, 0, 0, 0, 0, 0, 0];
   // Patches of tall, of short and of dry grass.
   const tall = 0.5 + 0.5 * valueNoise(x / 7, z / 7, 811);
   const dry = 0.5 + 0.5 * valueNoise(x / 11, z / 11, 823);
-  const size = (0.28 + 0.3 * at(3) + 0.5 * tall ** 2) * (0.55 + 0.45 * open);
+  const size = (0.28 + 0.3 * at(3) + 0.5 * tall ** 2) * (0.45 + 0.55 * open);
   const flower = at(6) < FLOWER_SHARE * Math.max(0, 1 - 2 * Math.abs(dry - 0.4)) && open > 0.3 ? 1 : 0;
   const dryness = Math.min(1, at(5) ** 2 * (0.4 + 1.2 * dry));
   return [x, groundHeight_m(x, z) - 0.03, z, size, at(4), dryness, 1.35 - 0.5 * tall, flower];

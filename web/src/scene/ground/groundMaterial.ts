@@ -1,4 +1,4 @@
-/** Colour of the ground: leaf litter and meadow nearby, tree crowns towards the horizon, snow. */
+/** Colour of the ground: leaf litter, meadow, snow. */
 import { Color, MeshLambertMaterial } from "three";
 import { GROUND_SHADE, GROUND_SHADE_PARS, groundShade } from "../impostors/groundShade";
 import { SEASON_LOOKS, type Season } from "../season/season";
@@ -15,7 +15,6 @@ uniform sampler2D uGrass;
 uniform vec3 uGrassTint;
 uniform vec3 uLitterTint;
 uniform float uFallen;
-uniform vec3 uWoods[3];
 uniform float uSnow;
 uniform vec3 uSnowColour;
 `;
@@ -28,23 +27,15 @@ vec3 litter = texture2D(uLitter, g * 0.21).rgb;
 vec3 litterFar = texture2D(uLitter, mat2(0.8, 0.6, -0.6, 0.8) * g * 0.037).rgb;
 litter = mix(litter, litterFar, 0.35) * (0.85 + 0.6 * patchy.r) * uLitterTint;
 vec3 grass = texture2D(uGrass, g * 0.16).rgb * (0.75 + 0.45 * patchy.g);
-grass *= mix(vec3(0.86, 1.0, 0.8), vec3(1.25, 1.05, 0.8), broad.g) * uGrassTint;
-float open = smoothstep(0.28, 0.72, vMeadow + 0.75 * (patchy.b - 0.5) + 0.3 * (broad.r - 0.5));
+grass *= mix(vec3(0.66, 0.9, 0.75), vec3(0.95, 0.95, 0.75), broad.g) * uGrassTint;
+vec4 ragged = texture2D(uNoise, g * 0.19);
+float open = smoothstep(0.28, 0.72, vMeadow + 0.75 * (patchy.b - 0.5) + 0.3 * (broad.r - 0.5) + 0.55 * (ragged.g - 0.5));
 // Without fallen leaves, grass and moss extend far into the forest.
-open = max(open, (1.0 - uFallen) * smoothstep(0.2, 0.5, patchy.g));
+open = max(open, (1.0 - uFallen) * smoothstep(0.1, 0.55, patchy.g + 0.6 * (ragged.r - 0.5)));
 vec3 ground = mix(litter, grass, open);
 // Leaves blown onto the grass.
 ground = mix(ground, litter, open * smoothstep(0.62, 0.8, patchy.r) * 0.75 * uFallen);
-float distant = smoothstep(140.0, 380.0, length(g));
-if (distant > 0.0) {
-  vec4 crowns = texture2D(uNoise, g * 0.011);
-  vec4 tops = texture2D(uNoise, g * 0.043 + 0.2);
-  vec3 woods = mix(uWoods[0], uWoods[1], smoothstep(0.5, 0.62, tops.g + 0.25 * (broad.b - 0.5)));
-  woods = mix(woods, uWoods[2], smoothstep(0.42, 0.58, crowns.b + 0.5 * (broad.r - 0.5)));
-  woods *= 0.22 + 0.75 * crowns.r * crowns.g + 0.8 * tops.r * tops.b;
-  ground = mix(ground, woods, distant);
-}
-float bare = 0.9 * distant * smoothstep(0.3, 0.55, texture2D(uNoise, g * 0.013).g) + 0.4 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
+float bare = 0.4 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
 ground = mix(ground, uSnowColour * (0.9 + 0.12 * patchy.b), uSnow * (1.0 - bare));
 ${GROUND_SHADE}
 diffuseColor.rgb = ground;
@@ -54,18 +45,14 @@ const uniforms = {
   uGrassTint: { value: new Color() },
   uLitterTint: { value: new Color() },
   uFallen: { value: 1 },
-  uWoods: { value: [new Color(), new Color(), new Color()] },
 };
 
 /** Sets the colours of a season. */
 export function setGroundSeason(season: Season): void {
-  const { grass, litter, fallen, woods } = SEASON_LOOKS[season];
+  const { grass, litter, fallen } = SEASON_LOOKS[season];
   uniforms.uGrassTint.value.setRGB(...grass);
   uniforms.uLitterTint.value.setRGB(...litter);
   uniforms.uFallen.value = fallen;
-  woods.forEach((colour, k) => {
-    uniforms.uWoods.value[k].setRGB(...colour);
-  });
 }
 
 export function groundMaterial(pictures: Pictures): MeshLambertMaterial {

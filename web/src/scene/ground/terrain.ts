@@ -6,11 +6,12 @@ import { glade, groundHeight_m } from "./landscape";
 
 const RING_COUNT = 150;
 const SECTOR_COUNT = 192;
-const REACH_M = 1700;
+/** Distance at which the land ends, m from its centre. */
+export const LAND_REACH_M = 1700;
 
 /** Spacing of the rings: about 1 m in the centre, 60 m at the rim. */
 const ringRadius_m = (ring: number) =>
-  REACH_M * (0.12 * (ring / RING_COUNT) + 0.88 * (ring / RING_COUNT) ** 4);
+  LAND_REACH_M * (0.12 * (ring / RING_COUNT) + 0.88 * (ring / RING_COUNT) ** 4);
 
 function discGeometry(): BufferGeometry {
   const columns = SECTOR_COUNT + 1;
@@ -29,21 +30,25 @@ function discGeometry(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(position, 3));
   geometry.setAttribute("aMeadow", new BufferAttribute(meadow, 1));
-  geometry.setIndex(new BufferAttribute(discIndex(columns), 1));
+  geometry.setIndex(new BufferAttribute(ringIndex(RING_COUNT, SECTOR_COUNT), 1));
   geometry.computeVertexNormals();
   return geometry;
 }
 
-function discIndex(columns: number): Uint32Array {
-  const index: number[] = [];
-  for (let ring = 0; ring < RING_COUNT; ring++) {
-    for (let sector = 0; sector < SECTOR_COUNT; sector++) {
+/** Triangles of rings of vertices around a centre, seen from above; the first column is repeated at the end. */
+export function ringIndex(rings: number, sectors: number): Uint32Array {
+  const columns = sectors + 1;
+  const index = new Uint32Array(6 * rings * sectors);
+  let at = 0;
+  for (let ring = 0; ring < rings; ring++) {
+    for (let sector = 0; sector < sectors; sector++) {
       const a = ring * columns + sector;
       const b = a + columns;
-      index.push(a, a + 1, b, b, a + 1, b + 1);
+      index.set([a, a + 1, b, b, a + 1, b + 1], at);
+      at += 6;
     }
   }
-  return Uint32Array.from(index);
+  return index;
 }
 
 export class Terrain {

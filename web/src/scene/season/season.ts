@@ -19,7 +19,7 @@ export interface SeasonLook {
   readonly litter: Rgb;
   /** Cover of the ground with fallen leaves, 0 to 1. */
   readonly fallen: number;
-  /** Forests at the horizon: the two colours of their crowns. */
+  /** Forests towards the horizon: the colours of their crowns; half of these have the first. */
   readonly woods: readonly [Rgb, Rgb, Rgb];
 }
 

@@ -139,8 +139,8 @@ export function paintGrass(side: number): Picture {
   const blades = Math.round((side * side) / 22);
   for (let i = 0; i < blades; i++) {
     const at = (channel: number) => hashUnit(47, i, channel);
-    const dry = at(0) ** 1.5;
-    const light = 0.75 + 0.4 * at(1);
+    const dry = 0.8 * at(0) ** 2.5;
+    const light = 0.72 + 0.36 * at(1);
     const colour: Rgb = [(118 + 82 * dry) * light, (128 + 36 * dry) * light, (48 + 34 * dry) * light];
     canvas.blade(at(2) * side, at(3) * side, 7 + 14 * at(4), at(5) - 0.5, colour);
   }

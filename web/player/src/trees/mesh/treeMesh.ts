@@ -38,17 +38,19 @@ export interface TreePart {
   readonly counts: readonly number[];
 }
 
-/** What is drawn of a leaf part once the leaves have fallen. Its `hold` names vertices of that part. */
-export interface BarePart {
+/** What is drawn in addition to a part of the file. Its `hold` names vertices of that part. */
+export interface AddedPart {
   readonly part: TreePart;
-  /** Index of the leaf part. */
+  /** Index of the part. */
   readonly of: number;
 }
 
 export interface TreeModel {
   readonly parts: readonly TreePart[];
-  /** Made when first asked for: only bare trees need it. */
-  readonly bare: readonly BarePart[];
+  /** Drawn in place of leaves that have fallen. Made when first asked for: only bare trees need it. */
+  readonly bare: readonly AddedPart[];
+  /** Drawn always. */
+  readonly added: readonly AddedPart[];
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
   readonly radius_m: number;
@@ -189,7 +191,7 @@ export function readParts(scene: Object3D): { read: ReadPart[]; height_m: number
 /** Reads an opened GLB: complete trees, without shoots in place of leaves. */
 export function readPlainTree(scene: Object3D): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
-  return { parts: read.map(({ part }) => part), bare: [], height_m, radius_m };
+  return { parts: read.map(({ part }) => part), bare: [], added: [], height_m, radius_m };
 }
 
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */

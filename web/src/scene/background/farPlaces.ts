@@ -1,6 +1,6 @@
 /**
  * Places of the background forest: those that the simulated forest would take next, so that it goes on beyond its edge with
- * the same density, species and trees. Farther away, where one hides the other, there are fewer. Pure.
+ * the same density, species and trees. Far from the eye, where one hides the other, fewer are drawn. Pure.
  */
 import { hashUnit } from "galewood/random";
 import type { Placement } from "galewood/trees";
@@ -13,28 +13,32 @@ import type { Quality } from "../quality";
 export const REACH_M = 430;
 
 export interface Thinning {
-  /** From the edge of the simulated forest, all places are taken up to this distance, m. */
+  /** Up to this distance from the eye all trees are drawn, m. */
   readonly full_m: number;
-  /** Smallest share of the places. */
+  /** Smallest share of the trees that are drawn. */
   readonly least: number;
 }
 
 export const THINNING_LEVELS: Record<Quality, Thinning> = {
-  low: { full_m: 25, least: 0.16 },
-  medium: { full_m: 60, least: 0.3 },
-  high: { full_m: 110, least: 0.45 },
+  low: { full_m: 80, least: 0.16 },
+  medium: { full_m: 130, least: 0.3 },
+  high: { full_m: 190, least: 0.45 },
 };
 
-/** Share of the places that are taken at a distance from the edge. */
-export function shareOfPlaces(fromEdge_m: number, { full_m, least }: Thinning): number {
-  return Math.max(least, Math.min(1, full_m / Math.max(fromEdge_m, 1e-3)));
+/** Share of the trees that are drawn at a distance from the eye. */
+export function shareDrawn(distance_m: number, { full_m, least }: Thinning): number {
+  return Math.max(least, Math.min(1, full_m / Math.max(distance_m, 1e-3)));
 }
 
-/** Where few trees stand, each is up to this much larger, so that the canopy stays nearly closed. */
+/** Where few trees are drawn, each is up to this much larger, so that the canopy stays nearly closed. */
 const MOST_GROWTH = 1.22;
+export const growthAt = (share: number) => Math.min(MOST_GROWTH, share ** -0.25);
+
+/** A tree is drawn while its rank, uniform in [0, 1), is below the share of its distance. */
+export const rankOf = (place: Placement) => hashUnit(197, place.id);
 
 /** The places beyond `edge_m`, the distance of the outermost simulated tree. */
-export function farPlaces(edge_m: number, seed: number, density: number, thinning: Thinning): Placement[] {
+export function farPlaces(edge_m: number, seed: number, density: number): Placement[] {
   const spacing_m = SPACING_M / Math.sqrt(density);
   const columns = Math.ceil(REACH_M / spacing_m) + 1;
   const rows = Math.ceil(REACH_M / (0.9 * spacing_m)) + 1;
@@ -45,12 +49,9 @@ export function farPlaces(edge_m: number, seed: number, density: number, thinnin
       const about_m = Math.hypot(column * spacing_m, z);
       if (about_m < edge_m - 2 * spacing_m || about_m > REACH_M) continue;
       // Of a dense forest as many are left out as of the usual one has no place.
-      const share = shareOfPlaces(about_m - edge_m, thinning) / Math.max(1, density);
-      if (hashUnit(197, seed, column, row) >= share) continue;
+      if (hashUnit(199, seed, column, row) >= 1 / Math.max(1, density)) continue;
       const place = placeAt(column, row, seed, spacing_m);
-      if (reach_m(place) <= edge_m || !isWood(place)) continue;
-      const growth = Math.min(MOST_GROWTH, share ** -0.25);
-      places.push({ ...place, scale: place.scale * growth });
+      if (reach_m(place) > edge_m && isWood(place)) places.push(place);
     }
   }
   return places;

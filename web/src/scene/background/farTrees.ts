@@ -15,8 +15,9 @@ import {
 } from "galewood/trees";
 import { heightFactor, type WindField } from "galewood/wind";
 import { groundHeight_m } from "../ground/landscape";
-import { BEND_FLOATS, CARD_FLOATS, type CardList, type Cards } from "./cards";
-import { Sway, TIP_FLOATS } from "./sway";
+import { BEND_FLOATS, CARD_FLOATS, type CardList, type Cards } from "../impostors/cards";
+import { Sway, TIP_FLOATS } from "../impostors/sway";
+import { growthAt, rankOf, shareDrawn, type Thinning } from "./farPlaces";
 
 /** Cards are drawn near to far, in bins. */
 const DISTANCE_BINS = 32;
@@ -26,6 +27,8 @@ const BIN_M = 16;
  * and `gone + spread`, so that few are transparent at a time.
  */
 const CLEAR_M = { gone: 30, spread: 14, fade: 1.5 } as const;
+/** Trees whose rank is this close to the share that is drawn are dissolving. */
+const FADE_RANK = 0.03;
 /** A number between 0 and 1 that differs between neighbours. */
 const chance = (tree: number) => (tree * 0.618034) % 1;
 /** Below this elevation of the sun, shadows do not get longer. */
@@ -42,6 +45,7 @@ export class FarTrees {
   private readonly factor: Float32Array;
   private readonly bins: Uint8Array;
   private readonly before: Float32Array;
+  private readonly ranks: Float32Array;
   private readonly seen: Uint32Array;
   private readonly casting: Uint32Array;
   private sway: Sway | null = null;
@@ -51,12 +55,14 @@ export class FarTrees {
 
   constructor(
     private readonly places: readonly Placement[],
+    private readonly thinning: Thinning,
     tint: Tint,
   ) {
     const count = places.length;
     this.instances = createInstanceData(places, groundHeight_m, tint);
     this.x = Float32Array.from(places, ({ x_m }) => x_m);
     this.z = Float32Array.from(places, ({ z_m }) => z_m);
+    this.ranks = Float32Array.from(places, rankOf);
     this.pressureX = new Float32Array(count);
     this.pressureZ = new Float32Array(count);
     this.factor = new Float32Array(count);
@@ -102,7 +108,7 @@ export class FarTrees {
         continue;
       }
       const distance_m = Math.hypot(data[at] - eye.x, data[at + 1] - eye.y, data[at + 2] - eye.z);
-      if (distance_m < CLEAR_M.gone) {
+      if (distance_m < CLEAR_M.gone || this.ranks[tree] >= shareDrawn(distance_m, this.thinning)) {
         this.bins[tree] = DISTANCE_BINS;
         continue;
       }
@@ -127,7 +133,9 @@ export class FarTrees {
       const ball_m = Math.hypot(half_m, bounds.radius_m * scale);
       const slide_m = (2 * half_m) / Math.max(LOWEST_SUN, sun.y);
       const [x, y, z] = [data[at], data[at + 1] + half_m, data[at + 2]];
-      const nearest_m = Math.hypot(x - eye.x, y - eye.y, z - eye.z) - ball_m - slide_m;
+      const away_m = Math.hypot(x - eye.x, y - eye.y, z - eye.z);
+      if (this.ranks[tree] >= shareDrawn(away_m, this.thinning)) continue;
+      const nearest_m = away_m - ball_m - slide_m;
       if (nearest_m > shadow_m || nearest_m + ball_m + slide_m < CLEAR_M.gone) continue;
       if (!shadowSeen(planes, sun, x, y, z, ball_m, slide_m)) continue;
       this.casting[casters++] = tree;
@@ -142,16 +150,27 @@ export class FarTrees {
       const from = trees[i] * INSTANCE_FLOATS;
       const to = i * CARD_FLOATS;
       for (let k = 0; k < CARD_FLOATS; k++) data[to + k] = this.instances.data[from + k];
-      data[to + 3] = this.opacity(trees[i], view);
+      const distance_m = this.distance_m(trees[i], view);
+      const share = shareDrawn(distance_m, this.thinning);
+      const growth = growthAt(share);
+      for (let k = 4; k < 7; k++) data[to + k] *= growth; // scale times cosine and sine of the yaw, and scale
+      data[to + 3] = Math.min(
+        this.nearOpacity(trees[i], distance_m),
+        (share - this.ranks[trees[i]]) / FADE_RANK,
+      );
       data[to + 7] = chance(trees[i]);
     }
     this.writeBend(list, trees, count);
     list.show(count);
   }
 
-  private opacity(tree: number, { eye }: View): number {
+  private distance_m(tree: number, { eye }: View): number {
     const y = this.instances.data[tree * INSTANCE_FLOATS + 1];
-    const distance_m = Math.hypot(this.x[tree] - eye.x, y - eye.y, this.z[tree] - eye.z);
+    return Math.hypot(this.x[tree] - eye.x, y - eye.y, this.z[tree] - eye.z);
+  }
+
+  /** Of trees that dissolve before the eye. */
+  private nearOpacity(tree: number, distance_m: number): number {
     const gone_m = CLEAR_M.gone + CLEAR_M.spread * chance(tree);
     return Math.min(1, Math.max(0, (distance_m - gone_m) / CLEAR_M.fade));
   }

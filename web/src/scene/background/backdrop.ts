@@ -1,16 +1,18 @@
-/** Everything drawn as impostors: their pictures, the background forest, and the shadows of trees on distant ground. */
+/** Everything beyond the simulated trees: impostors of trees, the canopy seen from afar, and shadows of trees on distant ground. */
 
 import type { View } from "galewood/trees";
-import type { WebGLRenderer } from "three";
-import { FarWood, type Planted } from "./ground/farWood";
-import { shared } from "./impostors/cardMaterial";
-import { castShade, groundShade } from "./impostors/groundShade";
-import { ImpostorLibrary } from "./impostors/library";
-import { SHADER_FLOATS } from "./impostors/shadeMap";
-import type { Quality } from "./quality";
-import type { Season } from "./season/season";
-import type { Daylight } from "./sky/daylight";
-import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
+import type { Texture, WebGLRenderer } from "three";
+import type { TreeAsset } from "../forest";
+import { shared } from "../impostors/cardMaterial";
+import { castShade, groundShade } from "../impostors/groundShade";
+import { ImpostorLibrary } from "../impostors/library";
+import { SHADER_FLOATS } from "../impostors/shadeMap";
+import type { Quality } from "../quality";
+import type { Season } from "../season/season";
+import type { Daylight } from "../sky/daylight";
+import { CROWN_FLOATS, type Crowns } from "../sky/exposure";
+import { Canopy, canopyFrom_m } from "./canopy";
+import { FarWood, type Planted } from "./farWood";
 
 /** Distance from which simulated trees of scale 1 are drawn as impostors. */
 const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
@@ -23,9 +25,20 @@ const BARE_SHADE = 0.35;
 /** While the sun moves, the shadows on distant ground are renewed at most this often. */
 const SHADE_EVERY_MS = 300;
 
+/** Height of the trees without their known models, m. */
+const USUAL_HEIGHT_M = 16;
+
+/** Mean height of the built-in trees in the forest, m. */
+function crownHeight_m(assets: readonly TreeAsset[]): number {
+  const grown = assets.filter(({ builtin, form, model }) => builtin && form === "forest" && model);
+  if (grown.length === 0) return USUAL_HEIGHT_M;
+  return grown.reduce((sum, { model }) => sum + (model?.height_m ?? 0), 0) / grown.length;
+}
+
 export class Backdrop {
   readonly library: ImpostorLibrary;
   readonly wood: FarWood;
+  readonly canopy: Canopy;
   private changed = false;
   private crowns: Crowns = new Float32Array(0);
   private shadeOutdated = false;
@@ -40,7 +53,9 @@ export class Backdrop {
     private readonly canvas: HTMLCanvasElement,
     private readonly daylight: Daylight,
     private quality: Quality,
+    noise: Texture,
   ) {
+    this.canopy = new Canopy(noise);
     this.library = new ImpostorLibrary(BAKED_PX[quality]);
     this.wood = new FarWood(this.library);
     this.setQuality(quality);
@@ -54,6 +69,7 @@ export class Backdrop {
     this.quality = quality;
     this.library.setDetail(BAKED_PX[quality]);
     this.library.from_m = CARDS_FROM_M[quality];
+    this.canopy.setQuality(quality);
   }
 
   /** Colours, leaves and shadows of a season and time of day. */
@@ -62,6 +78,7 @@ export class Backdrop {
     shared.uBare.value = bare ? 1 : 0;
     this.library.setLeafless(bare);
     this.wood.setSeason(season);
+    this.canopy.setSeason(season);
     this.shadeOutdated = true;
     this.changed = true;
   }
@@ -78,6 +95,7 @@ export class Backdrop {
     models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
     this.library.keep(models.flatMap(({ model }) => model ?? []));
     this.wood.populate({ ...planted, assets }, this.quality);
+    this.canopy.spread(canopyFrom_m(planted.edge_m, this.shown), crownHeight_m(planted.assets));
     this.shadeOutdated = true;
     this.changed = true;
   }
@@ -154,6 +172,7 @@ export class Backdrop {
   dispose(): void {
     this.canvas.removeEventListener("webglcontextrestored", this.renew);
     this.wood.dispose();
+    this.canopy.dispose();
     this.library.dispose();
   }
 }

@@ -5,12 +5,12 @@ import { WindField, type WindState } from "galewood/wind";
 import { Group } from "three";
 import type { TreeAsset } from "../forest";
 import { Cards } from "../impostors/cards";
-import { farPlaces, plantFar, THINNING_LEVELS } from "../impostors/farPlaces";
-import { FarTrees } from "../impostors/farTrees";
 import type { ImpostorLibrary } from "../impostors/library";
 import type { Quality } from "../quality";
 import { leafTint } from "../season/palette";
 import type { Season } from "../season/season";
+import { farPlaces, plantFar, THINNING_LEVELS } from "./farPlaces";
+import { FarTrees } from "./farTrees";
 
 /** What the simulated forest consists of. */
 export interface Planted {
@@ -64,12 +64,14 @@ export class FarWood {
     if (key === this.key) return;
     this.key = key;
     this.clear();
-    const places = farPlaces(edge_m, seed, density, THINNING_LEVELS[quality]);
+    const places = farPlaces(edge_m, seed, density);
     const tree = plantFar(builtin, places, shares);
     builtin.forEach(({ id, species }, k) => {
       const own = places.filter((_, i) => tree[i] === k);
       if (own.length === 0) return;
-      const trees = new FarTrees(own, (place) => leafTint(species, place, this.season));
+      const trees = new FarTrees(own, THINNING_LEVELS[quality], (place) =>
+        leafTint(species, place, this.season),
+      );
       this.stands.set(id, { trees, cards: null, age: 0, time_s: Number.NaN });
     });
   }

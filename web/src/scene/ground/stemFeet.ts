@@ -1,0 +1,123 @@
+/** The dark foot of every stem near the camera: what light the stem keeps from the ground around it. One draw call. */
+import {
+  DoubleSide,
+  DynamicDrawUsage,
+  InstancedBufferGeometry,
+  InstancedInterleavedBuffer,
+  InterleavedBufferAttribute,
+  Mesh,
+  MultiplyBlending,
+  PlaneGeometry,
+  ShaderMaterial,
+  type Vector3,
+} from "three";
+import { CROWN_FLOATS, type Crowns } from "../sky/exposure";
+import { groundHeight_m } from "./landscape";
+
+/** Feet are drawn up to this distance, m, and chosen again when the camera has moved by a tenth of it. */
+const REACH_M = 48;
+const MOVED_M = 0.1 * REACH_M;
+const MOST_FEET = 512;
+/** Per foot: x, y, z, half width (m); slope of the ground along x and z. */
+const FOOT_FLOATS = 6;
+/** Half width over the half height of the crown, and the least, m. */
+const WIDTH_SHARE = 0.16;
+const LEAST_WIDTH_M = 0.7;
+/** Distance over which the slope of the ground is measured, m. */
+const SLOPE_M = 0.6;
+
+const VERTEX = /* glsl */ `
+attribute vec4 aFoot;
+attribute vec2 aSlope;
+varying vec2 vOut;
+varying float vAway;
+void main() {
+  vOut = position.xy;
+  vec2 off = aFoot.w * position.xy;
+  vec4 seen = viewMatrix * vec4(aFoot.xyz + vec3(off.x, dot(aSlope, off) + 0.02, off.y), 1.0);
+  vAway = length(seen.xyz);
+  gl_Position = projectionMatrix * seen;
+}
+`;
+
+const FRAGMENT = /* glsl */ `
+varying vec2 vOut;
+varying float vAway;
+void main() {
+  float dark = pow(max(0.0, 1.0 - length(vOut)), 1.6);
+  float near = 1.0 - smoothstep(${(0.7 * REACH_M).toFixed(1)}, ${REACH_M.toFixed(1)}, vAway);
+  gl_FragColor = vec4(vec3(1.0) - 0.72 * near * dark * vec3(0.9, 0.96, 1.0), 1.0);
+}
+`;
+
+export class StemFeet {
+  readonly mesh: Mesh<InstancedBufferGeometry, ShaderMaterial>;
+  private readonly buffer = new InstancedInterleavedBuffer(
+    new Float32Array(FOOT_FLOATS * MOST_FEET),
+    FOOT_FLOATS,
+  );
+  private crowns: Crowns = new Float32Array(0);
+  private readonly chosenAt = { x: Number.NaN, z: Number.NaN };
+
+  constructor() {
+    const geometry = new InstancedBufferGeometry();
+    const square = new PlaneGeometry(2, 2);
+    geometry.setIndex(square.index);
+    geometry.setAttribute("position", square.getAttribute("position"));
+    geometry.setAttribute("aFoot", new InterleavedBufferAttribute(this.buffer, 4, 0));
+    geometry.setAttribute("aSlope", new InterleavedBufferAttribute(this.buffer, 2, 4));
+    geometry.instanceCount = 0;
+    this.buffer.setUsage(DynamicDrawUsage);
+    const material = new ShaderMaterial({
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      blending: MultiplyBlending,
+      premultipliedAlpha: true,
+      transparent: true,
+      depthWrite: false,
+      polygonOffset: true,
+      polygonOffsetFactor: -2,
+      polygonOffsetUnits: -8,
+      side: DoubleSide,
+    });
+    this.mesh = new Mesh(geometry, material);
+    this.mesh.frustumCulled = false;
+    this.mesh.matrixAutoUpdate = false;
+  }
+
+  /** Where the stems stand. */
+  shelter(crowns: Crowns): void {
+    this.crowns = crowns;
+    this.chosenAt.x = Number.NaN;
+  }
+
+  /** Follows the camera. */
+  update(eye: Vector3): void {
+    if (Math.hypot(eye.x - this.chosenAt.x, eye.z - this.chosenAt.z) < MOVED_M) return;
+    this.chosenAt.x = eye.x;
+    this.chosenAt.z = eye.z;
+    const { crowns } = this;
+    const out = this.buffer.array as Float32Array;
+    let count = 0;
+    for (let at = 0; at < crowns.length && count < MOST_FEET; at += CROWN_FLOATS) {
+      const [x, z] = [crowns[at], crowns[at + 2]];
+      if (Math.hypot(x - eye.x, z - eye.z) > REACH_M + MOVED_M) continue;
+      const rise = (dx: number, dz: number) =>
+        (groundHeight_m(x + dx, z + dz) - groundHeight_m(x - dx, z - dz)) / (2 * SLOPE_M);
+      const half_m = Math.max(LEAST_WIDTH_M, WIDTH_SHARE * crowns[at + 4]);
+      out.set(
+        [x, groundHeight_m(x, z), z, half_m, rise(SLOPE_M, 0), rise(0, SLOPE_M)],
+        FOOT_FLOATS * count++,
+      );
+    }
+    this.mesh.geometry.instanceCount = count;
+    this.buffer.clearUpdateRanges();
+    this.buffer.addUpdateRange(0, FOOT_FLOATS * count);
+    this.buffer.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+}
