@@ -215,7 +215,7 @@ describe("background forest", () => {
       whole.map(({ id }) => id).sort(),
     );
     let before = 1;
-    for (let from_m = 0; from_m < REACH_M; from_m += 10) {
+    for (let from_m = 0; from_m < 2 * REACH_M; from_m += 10) {
       const share = shareDrawn(from_m, THINNING_LEVELS.low);
       expect(share).toBeLessThanOrEqual(before);
       before = share;

@@ -1,11 +1,13 @@
+import { type Box3, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { groundHeight_m } from "../../../web/src/scene/ground/landscape";
 import { Lattice } from "../../../web/src/scene/ground/lattice";
 import { Trunks } from "../../../web/src/scene/ground/trunks";
-import { clearance_m, fernAt, leafAt, shrubAt } from "../../../web/src/scene/ground/undergrowthPlaces";
+import { KIND_LOOKS, PLANT_KINDS, seenIn } from "../../../web/src/scene/ground/plantKinds";
+import { clearance_m, fernAt, leafAt, logAt, saplingAt, shrubAt, stoneAt, stumpAt } from "../../../web/src/scene/ground/undergrowthPlaces";
 import { placeTrees } from "../../../web/src/scene/placement";
 import { undergrowthTint } from "../../../web/src/scene/season/palette";
-import { SEASON_LOOKS, SEASONS } from "../../../web/src/scene/season/season";
+import { SEASON_LOOKS, SEASONS, type Season } from "../../../web/src/scene/season/season";
 import { PLANT_SIDE, paintPlants } from "../../../web/src/scene/textures/plantPictures";
 import { seededRandom } from "../seeded";
 
@@ -41,19 +43,69 @@ describe("undergrowth", () => {
     for (const [kind, grow, spacing_m] of [
       ["shrub", shrubAt, 2.2],
       ["fern", fernAt, 1.15],
+      ["sapling", saplingAt, 3.3],
+      ["stone", stoneAt, 4.1],
+      ["stump", stumpAt, 8.3],
     ] as const) {
+      let own = 0;
       for (let row = -40; row < 20; row++) {
         for (let column = -30; column < 30; column++) {
           const { x, z, size_m } = grow(column, row, spacing_m, trunks);
           if (size_m === 0) continue;
           grown++;
+          own++;
           expect(nearest_m(x, z)).toBeGreaterThanOrEqual(clearance_m(kind, size_m));
           // The foliage is about as wide as high: its inner half keeps clear of any trunk.
           expect(nearest_m(x, z)).toBeGreaterThan(0.5 * size_m + 0.4);
         }
       }
+      expect(own).toBeGreaterThan(5);
     }
     expect(grown).toBeGreaterThan(100);
+  });
+
+  it("lays no fallen trunk across a standing one, along its whole length", () => {
+    let lying = 0;
+    for (let row = -15; row < 8; row++) {
+      for (let column = -12; column < 12; column++) {
+        const { x, z, size_m, turn } = logAt(column, row, 10, trunks);
+        if (size_m === 0) continue;
+        lying++;
+        const angle = 2 * Math.PI * turn;
+        for (let share = -0.5; share <= 0.5; share += 0.05) {
+          const [along, across] = [share * size_m * Math.cos(angle), share * size_m * Math.sin(angle)];
+          expect(nearest_m(x + along, z + across)).toBeGreaterThan(0.4);
+        }
+      }
+    }
+    expect(lying).toBeGreaterThan(10);
+  });
+
+  it("has bodies of about the size they are scaled to, with normals that point outwards", () => {
+    for (const kind of ["stone", "log", "stump", "mushroom"] as const) {
+      const geometry = KIND_LOOKS[kind].shape();
+      geometry.computeBoundingBox();
+      const box = geometry.boundingBox as Box3;
+      const size = kind === "log" ? box.max.x - box.min.x : box.max.y - box.min.y;
+      expect(size, kind).toBeGreaterThan(0.8);
+      expect(size, kind).toBeLessThan(1.3);
+      const [position, normal] = [geometry.getAttribute("position"), geometry.getAttribute("normal")];
+      const middle = box.getCenter(new Vector3());
+      let outwards = 0;
+      for (let v = 0; v < position.count; v++) {
+        const out = new Vector3().fromBufferAttribute(position, v).sub(middle);
+        if (kind === "log") out.x = 0;
+        if (out.dot(new Vector3().fromBufferAttribute(normal, v)) > 0) outwards++;
+      }
+      expect(outwards / position.count, kind).toBeGreaterThan(0.7);
+    }
+  });
+
+  it("shows what is not covered by snow in winter, and mushrooms in autumn only", () => {
+    const seen = (season: Season) => PLANT_KINDS.filter((kind) => seenIn(kind, season));
+    expect(seen("winter")).toEqual(["shrub", "sapling", "stone", "log", "stump"]);
+    expect(seen("autumn")).toEqual([...PLANT_KINDS]);
+    expect(seen("summer")).toEqual(PLANT_KINDS.filter((kind) => kind !== "mushroom"));
   });
 
   it("covers the ground below crowns with leaves in autumn, hardly in summer", () => {
@@ -80,7 +132,7 @@ describe("undergrowth", () => {
     const [r, g] = undergrowthTint("leaf", 0, "autumn", crown);
     expect(r / g).toBeCloseTo(crown[0] / crown[1], 6);
     for (const season of SEASONS) {
-      for (const kind of ["shrub", "fern", "leaf"] as const) {
+      for (const kind of ["shrub", "sapling", "fern", "herb", "leaf"] as const) {
         for (const value of undergrowthTint(kind, 0.7, season, crown)) {
           expect(value).toBeGreaterThan(0);
           expect(value).toBeLessThan(1);

@@ -84,7 +84,7 @@ export class Stage {
     this.lighting = new Lighting(this.sky, this.daylight);
     this.backdrop = new Backdrop(canvas, this.daylight, quality, this.pictures.noise);
     this.cover = new GroundCover(quality, this.wind);
-    this.undergrowth = new Undergrowth(quality, this.pictures.plants, this.wind);
+    this.undergrowth = new Undergrowth(quality, this.pictures, this.wind);
     this.leaves = new FlyingLeaves(quality, groundHeight_m);
     this.snow = new Snowfall(quality);
     this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);

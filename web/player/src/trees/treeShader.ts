@@ -121,6 +121,7 @@ vTint = aTint;
 vPiece = aPiece;
 #if defined(LEAVES) && !defined(STILL)
   vPiece.y = clamp(vPiece.y * (1.0 + 0.5 * leafSwing), 0.0, 1.0); // a leaf that turns catches more light, or less
+  vPiece.w = uFlutter.y * heldWind; // for the leaves of a spray, which move against each other
 #endif
 `;
 

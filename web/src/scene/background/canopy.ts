@@ -56,7 +56,21 @@ export function canopyHeight_m(distance_m: number, from_m: number, crown_m: numb
   );
 }
 
-const VERTEX_PARS = "attribute float aTall;\nvarying vec3 vPlace;\nvarying float vTall;\n";
+const VERTEX_PARS = /* glsl */ `
+attribute float aTall;
+uniform float uFull; // up to this distance (m) from the eye all trees are drawn
+varying vec3 vPlace;
+varying float vTall;
+`;
+
+/** Where all trees are drawn, the surface sinks into the ground. */
+const POSITION_GLSL = /* glsl */ `
+#include <begin_vertex>
+float risen = smoothstep(0.7, 1.3, distance(position.xz, cameraPosition.xz) / uFull);
+vTall = aTall * risen;
+transformed.y -= aTall - vTall;
+vPlace = transformed;
+`;
 
 /** Crowns as cells of a jittered lattice: each has its own colour and a rounded top. */
 const COLOUR_PARS = /* glsl */ `
@@ -96,7 +110,7 @@ for (int k = 0; k < 9; k++) {
     own = chance;
   }
 }
-if (vTall < 0.6 || length(vViewPosition) < uFull * mix(0.75, 1.2, own.x)) discard;
+if (vTall < 0.5) discard;
 // Where a crown is smaller than a pixel, its mean is drawn.
 float fine = 1.0 - smoothstep(0.25, 0.9, max(fwidth(at.x), fwidth(at.y)));
 float dome = sqrt(max(0.0, 1.0 - 2.1 * nearest));
@@ -148,7 +162,7 @@ export class Canopy {
       Object.assign(shader.uniforms, air, seasonal, this.uniforms, { uNoise: { value: this.noise } });
       shader.vertexShader = shader.vertexShader
         .replace("#include <common>", `#include <common>\n${VERTEX_PARS}`)
-        .replace("#include <begin_vertex>", "#include <begin_vertex>\nvPlace = position;\nvTall = aTall;");
+        .replace("#include <begin_vertex>", POSITION_GLSL);
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", `#include <common>\n${AIR_PARS}${COLOUR_PARS}`)
         .replace("#include <map_fragment>", COLOUR_GLSL)

@@ -1,4 +1,4 @@
-/** Meshes of low plants of height 1: grass tufts, shrubs, ferns, and a single leaf. */
+/** Meshes of low plants of height 1: shrubs, saplings, ferns, herbs, and a single leaf. */
 
 import { hashUnit } from "galewood/random";
 import { BufferAttribute, BufferGeometry, Vector3 } from "three";
@@ -70,6 +70,80 @@ export function shrub(): BufferGeometry {
     shape.quad(corner(-1, 0), corner(1, 0), corner(1, 1), corner(-1, 1));
   }
   return shape.geometry;
+}
+
+const SAPLING_TWIGS = 20;
+/** Half width of the stem of a sapling at its foot. */
+const SAPLING_STEM = 0.011;
+/** A place of the left picture that is wood. */
+const WOOD_AT = [0.25, 0.06] as const;
+
+/** A young tree: a thin stem with twigs of the left picture, which get shorter towards its top. */
+export function sapling(): BufferGeometry {
+  const shape = new Shape();
+  for (let side = 0; side < 3; side++) {
+    const [a, b] = [side, side + 1].map((k) => (2 * Math.PI * k) / 3);
+    const corner = (angle: number, y: number, r: number) =>
+      shape.vertex(
+        new Vector3(r * Math.cos(angle), y, r * Math.sin(angle)),
+        new Vector3(Math.cos(angle), 0.2, Math.sin(angle)),
+        ...WOOD_AT,
+      );
+    const top = 0.25 * SAPLING_STEM;
+    shape.quad(
+      corner(a, 0, SAPLING_STEM),
+      corner(b, 0, SAPLING_STEM),
+      corner(b, 0.97, top),
+      corner(a, 0.97, top),
+    );
+  }
+  for (let twig = 0; twig < SAPLING_TWIGS; twig++) {
+    const at = (channel: number) => hashUnit(163, twig, channel);
+    const share = (twig + 0.5) / SAPLING_TWIGS;
+    const azimuth = 2.39996 * twig + 0.6 * at(0);
+    const out = new Vector3(Math.cos(azimuth), 0, Math.sin(azimuth));
+    const lean = 1.25 - 0.75 * share + 0.25 * (at(1) - 0.5);
+    const along = out.clone().multiplyScalar(Math.sin(lean)).addScaledVector(UP_DIRECTION, Math.cos(lean));
+    const length = 0.34 - 0.17 * share + 0.08 * at(2);
+    const foot = new Vector3(0, 0.2 + 0.7 * share, 0);
+    const across = new Vector3().crossVectors(along, UP_DIRECTION).applyAxisAngle(along, 1.2 * (at(3) - 0.5));
+    across.normalize().multiplyScalar(0.5 * length);
+    card(shape, foot, along.multiplyScalar(length), across);
+  }
+  return shape.geometry;
+}
+
+const HERB_LEAVES = 6;
+
+/** A rosette of short twigs of the left picture. */
+export function herb(): BufferGeometry {
+  const shape = new Shape();
+  for (let leaf = 0; leaf < HERB_LEAVES; leaf++) {
+    const at = (channel: number) => hashUnit(167, leaf, channel);
+    const azimuth = (2 * Math.PI * (leaf + 0.6 * at(0))) / HERB_LEAVES;
+    const out = new Vector3(Math.cos(azimuth), 0, Math.sin(azimuth));
+    const lean = 0.35 + 0.75 * at(1);
+    const along = out.clone().multiplyScalar(Math.sin(lean)).addScaledVector(UP_DIRECTION, Math.cos(lean));
+    const length = 0.8 + 0.4 * at(2);
+    const across = new Vector3(-out.z, 0.3 * (at(3) - 0.5), out.x).multiplyScalar(0.42 * length);
+    card(shape, new Vector3(), along.multiplyScalar(length), across);
+  }
+  return shape.geometry;
+}
+
+/** A card of the left picture with normals that are rounded about the plant's middle. */
+function card(shape: Shape, foot: Vector3, along: Vector3, across: Vector3): void {
+  const corner = (side: number, part: number) => {
+    const place = foot.clone().addScaledVector(along, part).addScaledVector(across, side);
+    const normal = place
+      .clone()
+      .setY(0.5 * place.y)
+      .normalize()
+      .addScaledVector(UP_DIRECTION, 0.6)
+      .normalize();
+    return shape.vertex(place, normal, 0.25 + 0.25 * side, part);
+  };
+  shape.quad(corner(-1, 0), corner(1, 0), corner(1, 1), corner(-1, 1));
 }
 
 /** Arched strips with the frond of the right picture. */

@@ -103,7 +103,7 @@ export function leafTint(
 }
 
 /** Colours of low plants by season: of a fresh and of an old leaf. */
-const UNDERGROWTH_COLOURS: Record<"shrub" | "fern", Record<Season, readonly [Rgb, Rgb]>> = {
+const UNDERGROWTH_COLOURS: Record<"shrub" | "fern" | "herb", Record<Season, readonly [Rgb, Rgb]>> = {
   shrub: {
     spring: [
       [0.22, 0.36, 0.06],
@@ -120,6 +120,24 @@ const UNDERGROWTH_COLOURS: Record<"shrub" | "fern", Record<Season, readonly [Rgb
     winter: [
       [0.1, 0.08, 0.06],
       [0.08, 0.06, 0.05],
+    ],
+  },
+  herb: {
+    spring: [
+      [0.16, 0.32, 0.06],
+      [0.11, 0.24, 0.05],
+    ],
+    summer: [
+      [0.07, 0.17, 0.03],
+      [0.05, 0.12, 0.025],
+    ],
+    autumn: [
+      [0.13, 0.17, 0.035],
+      [0.22, 0.14, 0.05],
+    ],
+    winter: [
+      [0.16, 0.1, 0.06],
+      [0.12, 0.08, 0.05],
     ],
   },
   fern: {
@@ -141,19 +159,16 @@ const UNDERGROWTH_COLOURS: Record<"shrub" | "fern", Record<Season, readonly [Rgb
     ],
   },
 };
+/** Kinds of low plants with colours of their own; young trees have those of shrubs. */
+export type Tinted = "shrub" | "sapling" | "fern" | "herb" | "leaf";
 const WITHERED_RGB: Rgb = [0.24, 0.13, 0.055];
 
 /** Colour of one low plant, or of one leaf on the ground below a crown of this colour; hue: 0 to 1. */
-export function undergrowthTint(
-  kind: "shrub" | "fern" | "leaf",
-  hue: number,
-  season: Season,
-  crown: Rgb | null,
-): Rgb {
+export function undergrowthTint(kind: Tinted, hue: number, season: Season, crown: Rgb | null): Rgb {
   const [a, b] =
     kind === "leaf"
       ? [season === "autumn" && crown ? crown : WITHERED_RGB, WITHERED_RGB]
-      : UNDERGROWTH_COLOURS[kind][season];
+      : UNDERGROWTH_COLOURS[kind === "sapling" ? "shrub" : kind][season];
   const share = kind === "leaf" ? 0.75 * hue : hue;
   const mix = (c: 0 | 1 | 2) => (a[c] + share * (b[c] - a[c])) * (0.8 + 0.4 * ((hue * 7.3) % 1));
   return [mix(0), mix(1), mix(2)];

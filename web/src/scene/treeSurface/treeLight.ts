@@ -35,9 +35,34 @@ varying vec4 vTint;
 varying vec4 vPiece;
 `;
 
+/**
+ * The leaves of a spray move against each other: a field of displacements that differs from leaf to leaf bends its picture. It
+ * vanishes at the edges of the picture and of its quarters, which hold different sprays. Largest displacement relative to the
+ * side of the picture, and the wind at which it is reached, m/s.
+ */
+const SPRAY_SHIFT = 0.011;
+const SPRAY_FULL_M_S = 9;
+
+const SPRAY_MOTION = /* glsl */ `
+uniform vec2 uFlutter;
+vec2 sprayShift(vec2 at, vec4 piece) {
+  vec2 q = fract(2.0 * at);
+  q *= 1.0 - q;
+  float own = 6.2832 * fract(31.7 * piece.x);
+  vec2 hz = vec2(2.3, 3.1) + 3.0 * fract(vec2(7.3, 11.9) * piece.x);
+  vec2 turn = 6.2832 * (hz * uFlutter.x + vec2(9.0 * at.x + 5.0 * at.y, 8.0 * at.y - 6.0 * at.x)) + vec2(own, 1.7 * own);
+  return ${SPRAY_SHIFT} * min(1.0, piece.w / ${SPRAY_FULL_M_S.toFixed(1)}) * 16.0 * q.x * q.y * sin(turn);
+}
+`;
+
 const LEAF_MAP = /* glsl */ `
 #ifdef USE_MAP
-  vec4 leaf = texture2D(map, vMapUv);
+  #ifdef SPRAYS
+    vec2 leafUv = vMapUv + sprayShift(vMapUv, vPiece);
+  #else
+    vec2 leafUv = vMapUv;
+  #endif
+  vec4 leaf = textureGrad(map, leafUv, dFdx(vMapUv), dFdy(vMapUv));
   vec2 texels = vec2(textureSize(map, 0));
   vec2 right = dFdx(vMapUv) * texels;
   vec2 down = dFdy(vMapUv) * texels;
@@ -176,13 +201,15 @@ reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * 0.7
 export function patchColour(
   shader: WebGLProgramParametersWithUniforms,
   part: Part,
+  moves: boolean,
   atmosphere: AtmosphereShader,
 ): void {
   const leaves = part === "leaves";
+  const sprays = leaves && moves ? `#ifdef CUTICLE\n#define SPRAYS\n${SPRAY_MOTION}#endif\n` : "";
   shader.fragmentShader = shader.fragmentShader
     .replace(
       "#include <common>",
-      `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${atmosphere.declarations}`,
+      `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${sprays}${atmosphere.declarations}`,
     )
     .replace("#include <map_fragment>", leaves ? LEAF_MAP : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)

@@ -67,7 +67,7 @@ function colourMaterial(
   const key = `colour-${atmosphere.key}`;
   const variant = { part, moves, standing: "upright", key, pulls: PULL_PARS } as const;
   const given = { ...uniforms, ...atmosphere.uniforms, ...surface };
-  deform(material, variant, given, (shader) => patchColour(shader, part, atmosphere));
+  deform(material, variant, given, (shader) => patchColour(shader, part, moves, atmosphere));
   return material;
 }
 
