@@ -36,7 +36,7 @@ import { Pictures } from "./textures/pictures";
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
 /** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
-const BARE_DETAIL: Record<Quality, number> = { low: 5, medium: 1.8, high: 1.2 };
+const BARE_DETAIL: Record<Quality, number> = { low: 4, medium: 1.5, high: 0.95 };
 /** How far the view may be turned up, as the angle of the camera from above its target: crowns are seen from below. */
 const MAX_POLAR_RAD = 0.75 * Math.PI;
 

@@ -15,7 +15,7 @@ import { Canopy, canopyFrom_m } from "./canopy";
 import { FarWood, type Planted } from "./farWood";
 
 /** Distance from which simulated trees of scale 1 are drawn as impostors. */
-const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
+const CARDS_FROM_M: Record<Quality, number> = { low: 45, medium: 85, high: 120 };
 /** Side of the picture from which each view of an impostor is reduced, px. */
 const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
 /** Frames that are drawn before the background is planted, so that it does not delay the first moving tree. */

@@ -26,7 +26,7 @@ const LEAST_WIDTH_M = 0.7;
 /** Distance over which the slope of the ground is measured, m. */
 const SLOPE_M = 0.6;
 
-const VERTEX = /* glsl */ `
+const FOOT_VERTEX = /* glsl */ `
 attribute vec4 aFoot;
 attribute vec2 aSlope;
 varying vec2 vOut;
@@ -40,7 +40,7 @@ void main() {
 }
 `;
 
-const FRAGMENT = /* glsl */ `
+const FOOT_FRAGMENT = /* glsl */ `
 varying vec2 vOut;
 varying float vAway;
 void main() {
@@ -69,8 +69,8 @@ export class StemFeet {
     geometry.instanceCount = 0;
     this.buffer.setUsage(DynamicDrawUsage);
     const material = new ShaderMaterial({
-      vertexShader: VERTEX,
-      fragmentShader: FRAGMENT,
+      vertexShader: FOOT_VERTEX,
+      fragmentShader: FOOT_FRAGMENT,
       blending: MultiplyBlending,
       premultipliedAlpha: true,
       transparent: true,
