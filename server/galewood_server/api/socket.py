@@ -15,6 +15,7 @@ from galewood.motion.wind import Wind, WindError, WindState, parse_wind, parse_w
 from galewood_server.access import client_key
 from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
+from galewood_server.http import ProblemError, check_query
 from galewood_server.peers import RELAYED_HEADER, SERVICE_RESTART, PeerLostError, peer_of, relay
 from galewood_server.storage import DamagedFileError
 from galewood_server.stream import (
@@ -48,6 +49,12 @@ async def forest_socket(websocket: WebSocket) -> None:
 async def _serve(websocket: WebSocket, service: Service) -> None:
     """Serve a client here, or by the server that holds the shared forest which its address names."""
     session, share = Session(websocket, service), websocket.query_params.get("share")
+    try:
+        check_query(websocket.query_params, {"share"})
+    except ProblemError as error:
+        problem = error.problem
+        await session.refuse(SessionError(problem.code, problem.title, problem.hint))
+        return
     if share and not wire.is_share(share):  # FOREST will say what is wrong
         share = None
     async with service.owners.wanted(share):

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TextIO
 
 import uvicorn
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from galewood.util import GuardedProcess
 
 from galewood_server.access import (
@@ -38,7 +38,7 @@ from galewood_server.app.page import Page
 from galewood_server.app.start_failures import check_address, with_clear_failures
 from galewood_server.app.temporary_files import temporary_files_in
 from galewood_server.context import Service
-from galewood_server.http import install_error_handlers
+from galewood_server.http import install_error_handlers, refuse_unknown_queries
 from galewood_server.jobs import Supervisor
 from galewood_server.ops import Metrics, Tracing, configure_logging
 from galewood_server.peers import ForestOwners
@@ -111,7 +111,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
     app.state.metrics = metrics = Metrics(VERSION)
     install_error_handlers(app, [route for router in ROUTERS for route in router.routes])
     for router in ROUTERS:
-        app.include_router(router)
+        app.include_router(router, dependencies=[Depends(refuse_unknown_queries)])
     describe(app)
     docs_page.install(app)
     app.mount("/", Page(settings.page_dir))

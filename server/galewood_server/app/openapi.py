@@ -14,8 +14,8 @@ API_DESCRIPTION = """Computes lookup tables of simulated motion from tree meshes
 
 Errors are problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users.
 Write access requires an API key (`Authorization: Bearer KEY`) or, if the operator configured none, a client
-on the server's own machine. Lists are paginated: pass `next` as `after`. Responses have `ETag` and
-`X-Request-ID` headers. Forests are streamed over the WebSocket `/ws/forest` (spec/formats/wire.md)."""
+on the server's own machine. Lists are paginated: pass `next` as `after`. A query parameter that an address
+does not have is refused with 422. Responses have `ETag` and `X-Request-ID` headers. Forests are streamed over the WebSocket `/ws/forest` (spec/formats/wire.md)."""
 
 _HEADERS = {
     "Location": {"201", "202"},
@@ -54,12 +54,10 @@ def _complete(schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _complete_operation(path: str, method: str, operation: dict[str, Any]) -> None:
-    shared = {421, 429} if path.startswith("/api/") else {421}
+    shared = {421, 422, 429} if path.startswith("/api/") else {421, 422}
     shared |= {404} if "{" in path else set()
-    if "422" in operation["responses"]:
-        shared.add(422)
     if "requestBody" in operation:
-        shared |= {408, 413, 422}
+        shared |= {408, 413}
     if method in WRITE_METHODS and path not in READ_ONLY_POSTS:
         shared |= {401, 403}
         operation["security"] = [{"key": []}, {}]

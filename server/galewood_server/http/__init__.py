@@ -32,6 +32,7 @@ from galewood_server.http.pagination import (
     read_page,
     rows_after,
 )
+from galewood_server.http.queries import ContentVersion, check_query, query_names, refuse_unknown_queries
 from galewood_server.http.schemas import (
     Health,
     JobList,
@@ -59,6 +60,7 @@ __all__ = [
     "IMMUTABLE_CACHE",
     "NOT_MODIFIED",
     "UPLOAD_FORM",
+    "ContentVersion",
     "Health",
     "JobList",
     "JobOut",
@@ -81,6 +83,7 @@ __all__ = [
     "WoodSpeciesList",
     "WoodSpeciesOut",
     "body_with_etag",
+    "check_query",
     "contents",
     "cursor_of_time",
     "cursor_time",
@@ -94,9 +97,11 @@ __all__ = [
     "paged",
     "problem_from",
     "problems",
+    "query_names",
     "read_body",
     "read_page",
     "read_upload",
+    "refuse_unknown_queries",
     "row_as_json",
     "rows_after",
     "serialisable",

@@ -187,6 +187,13 @@ def test_invalid_frames_are_closed_with_1002(
         assert raw.close_code() == 1002
 
 
+def test_a_query_that_the_socket_does_not_know_is_an_error(server: Server) -> None:
+    client = Client(server, hello=False, query="?shares=meadow")
+    answer = client.receive()
+    assert isinstance(answer, wire.Failure) and answer.code == "unknown-parameter"
+    assert "Did you mean 'share'?" in answer.hint
+
+
 @seed(25)
 @given(st.integers(0, 400), st.booleans())
 @quick

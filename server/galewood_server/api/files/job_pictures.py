@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 
 from galewood_server.context import ServiceDep
-from galewood_server.http import NOT_MODIFIED, contents, etag_matches, not_found, problems
+from galewood_server.http import NOT_MODIFIED, ContentVersion, contents, etag_matches, not_found, problems
 from galewood_server.jobs import find_job
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
@@ -17,7 +17,9 @@ router = APIRouter(prefix="/api/jobs", tags=["jobs"])
     response_class=FileResponse,
     responses={**contents("The image.", "image/png"), **NOT_MODIFIED, **problems(404)},
 )
-def get_picture(job_id: str, name: str, request: Request, service: ServiceDep) -> Response:
+def get_picture(
+    job_id: str, name: str, request: Request, service: ServiceDep, _version: ContentVersion = ""
+) -> Response:
     """A preview image (PNG) listed in the job's `pictures`; its hash there changes with its content."""
     with service.sessions() as session:
         sha256 = find_job(session, job_id).pictures.get(name)

@@ -12,7 +12,14 @@ from galewood.util import write_atomically
 
 from galewood_server.api.trees import find_tree
 from galewood_server.context import Service, ServiceDep
-from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, problems
+from galewood_server.http import (
+    NOT_MODIFIED,
+    ContentVersion,
+    ProblemError,
+    contents,
+    etag_matches,
+    problems,
+)
 from galewood_server.storage import is_hash
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
@@ -24,7 +31,9 @@ PNG_CONTENT = contents("256 × 256 pixels.", "image/png")
     response_class=FileResponse,
     responses={**PNG_CONTENT, **NOT_MODIFIED, **problems(404, 503)},
 )
-async def get_thumbnail(tree_id: str, request: Request, service: ServiceDep) -> Response:
+async def get_thumbnail(
+    tree_id: str, request: Request, service: ServiceDep, _version: ContentVersion = ""
+) -> Response:
     """Front view of the tree on a transparent background. It changes with the tree's mesh."""
     sha256 = await asyncio.to_thread(_mesh_of, service, tree_id)
     etag = f'"{sha256}-256"'

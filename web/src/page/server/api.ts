@@ -136,7 +136,7 @@ export async function changeAssumptions(treeId: string, assumptions: Assumptions
 
 /** A picture of a tree in its own colours; another mesh has another address. */
 export const thumbnailUrl = ({ id, mesh_sha256 }: { id: string; mesh_sha256: string | null }): string =>
-  `api/trees/${encodeURIComponent(id)}/thumbnail?mesh=${mesh_sha256?.slice(0, 12) ?? ""}`;
+  `api/trees/${encodeURIComponent(id)}/thumbnail?version=${mesh_sha256?.slice(0, 12) ?? ""}`;
 
 /** All pieces of an upload's tree as a GLB, also those that are left out. */
 export async function fetchPieces(treeId: string): Promise<ArrayBuffer> {
@@ -177,7 +177,7 @@ export async function jobPictures(jobId: string): Promise<Record<string, string>
 
 /** URL of a picture of a job. */
 export const pictureUrl = (jobId: string, name: string, sha256: string) =>
-  `api/jobs/${encodeURIComponent(jobId)}/pictures/${encodeURIComponent(name)}?${sha256.slice(0, 8)}`;
+  `api/jobs/${encodeURIComponent(jobId)}/pictures/${encodeURIComponent(name)}?version=${sha256.slice(0, 8)}`;
 
 /** Ends a build. What it has published so far is kept. */
 export async function cancelJob(jobId: string): Promise<void> {
