@@ -15,7 +15,8 @@ API_DESCRIPTION = """Computes lookup tables of simulated motion from tree meshes
 Errors are problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users.
 Write access requires an API key (`Authorization: Bearer KEY`) or, if the operator configured none, a client
 on the server's own machine. Lists are paginated: pass `next` as `after`. A query parameter that an address
-does not have is refused with 422. Responses have `ETag` and `X-Request-ID` headers. Forests are streamed over the WebSocket `/ws/forest` (spec/formats/wire.md)."""
+does not have is refused with 422. Responses have `ETag` and `X-Request-ID` headers. Forests are streamed over
+the WebSocket `/ws/forest` (spec/formats/wire.md)."""
 
 _HEADERS = {
     "Location": {"201", "202"},

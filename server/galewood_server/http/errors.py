@@ -33,16 +33,17 @@ class Problem:
     title: str
     hint: str
     detail: str = ""
-    """What the title does not say; empty: nothing, and then the response has none."""
+    """What title and hint do not say; empty: nothing, and then the response has none."""
     retry_after_s: int | None = None
 
     def response(self, headers: Mapping[str, str] | None = None) -> JSONResponse:
         """The response with media type application/problem+json."""
+        said = ("", self.title.rstrip("."), self.hint.rstrip("."))
         body = {
             "type": f"urn:galewood:problem:{self.code}",
             "title": self.title,
             "status": self.status,
-            **({"detail": self.detail} if self.detail not in ("", self.title) else {}),
+            **({"detail": self.detail} if self.detail.rstrip(".") not in said else {}),
             "hint": self.hint,
             "code": self.code,
         }

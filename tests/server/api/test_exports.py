@@ -59,7 +59,7 @@ def test_an_export_is_made_once_and_kept_and_what_cannot_be_exported_is_said(ser
         address = "/api/trees/small/exports"
         assert problem(api.get(f"{address}/fbx")) == (422, "invalid-request")
         assert problem(api.get(f"{address}/vat", params={"seconds": "0"})) == (422, "invalid-request")
-        assert problem(api.get(f"{address}/vat", params={"speed": "3"})) == (422, "invalid-request")
+        assert problem(api.get(f"{address}/vat", params={"speed": "3"})) == (422, "unknown-parameter")
         long = {"seconds": "120", "fps": "60"}
         assert problem(api.get(f"{address}/vat", params=long)) == (422, "invalid-request")
         assert problem(api.get(f"{address}/vat", params={"wind": "hurricane"})) == (422, "bad-wind")

@@ -39,7 +39,7 @@ def assert_problem(answer: httpx.Response, status: int, code: str) -> dict[str, 
     problem = answer.json()
     assert problem["code"] == code and problem["status"] == status
     assert problem["title"] and "hint" in problem
-    assert problem.get("detail", "more") not in ("", problem["title"])
+    assert problem.get("detail", "more") not in ("", problem["title"], problem["hint"])
     assert "Traceback" not in answer.text and "/work" not in answer.text
     return problem
 

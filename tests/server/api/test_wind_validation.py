@@ -61,7 +61,8 @@ def test_invalid_winds_are_problems_with_path_and_range(server: Server) -> None:
         assert answer.status_code == 422
         assert answer.headers["content-type"] == "application/problem+json"
         assert problem["code"] == "bad-wind"
-        assert problem["detail"].startswith(f"{case['path']}: {case['expected']}")
+        assert problem["hint"] == f"{case['path']}: {case['expected']}."
+        assert problem.get("detail", "") != problem["hint"].removesuffix(".")
 
 
 @pytest.mark.parametrize(

@@ -84,6 +84,10 @@ export class Forest extends Group {
   /** Level of detail and shadows; may be changed at any time. */
   readonly viewing: ViewOptions;
   private readonly client: WorkerClient;
+  /**
+   * Trees by the addresses of their files. A cache of its own, unlike the worker's `TableStore`, which knows neither meshes
+   * nor this forest's graphics memory: what is loaded here is disposed of with the forest.
+   */
   private readonly loaded = new Map<string, Promise<Loaded>>();
   private readonly groves = new Map<number, Planted>();
   private readonly models = new Set<TreeModel>();

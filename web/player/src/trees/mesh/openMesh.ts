@@ -3,7 +3,10 @@ import { type ImageBitmapLoader, type Material, Mesh, type Object3D, Texture } f
 import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { GLTFLoader, type GLTFParser } from "three/addons/loaders/GLTFLoader.js";
 
-/** Pictures by their address, loaded once for all meshes. */
+/**
+ * Pictures by their address, loaded once for all meshes. A cache of its own: unlike whole files (`Forest`, `TableStore`),
+ * pictures are asked for by three.js while it reads a mesh, and meshes of several forests share them.
+ */
 const pictures = new Map<string, Promise<ImageBitmap>>();
 /** Colours as they are in the file. */
 const AS_STORED: ImageBitmapOptions = { premultiplyAlpha: "none", colorSpaceConversion: "none" };

@@ -1,4 +1,7 @@
-/** The tables and records that this worker has fetched, by the hash of the table. */
+/**
+ * The tables and records that this worker has fetched, by the hash of the table. No cache of requests: the page's catalogue
+ * orders each file when it changes, in this thread, because decoded tables are too large to be sent between threads.
+ */
 
 import { fileBytes } from "../../core/net/fileBytes";
 import { type Compliance, decodeCompliance } from "../../core/pull/compliance";
