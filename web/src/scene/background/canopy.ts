@@ -80,8 +80,8 @@ uniform sampler2D uNoise;
 uniform vec3 uWoods[3];
 uniform float uSnow;
 uniform vec3 uSnowColour;
+uniform float uFull;
 const float CROWN_M = 5.6;
-uniform float uFull; // up to this distance (m) from the eye all trees are drawn
 vec3 random3(vec2 cell) {
   vec3 p = fract(vec3(cell.xyx) * vec3(0.1031, 0.1030, 0.0973));
   p += dot(p, p.yxz + 33.33);
@@ -110,9 +110,9 @@ for (int k = 0; k < 9; k++) {
     own = chance;
   }
 }
-if (vTall < 0.5) discard;
 // Where a crown is smaller than a pixel, its mean is drawn.
 float fine = 1.0 - smoothstep(0.25, 0.9, max(fwidth(at.x), fwidth(at.y)));
+if (vTall < 0.5) discard; // sunk
 float dome = sqrt(max(0.0, 1.0 - 2.1 * nearest));
 // Clumps of leaves, and dark gaps between them.
 float light = smoothstep(-0.3, 0.25, twigs.z + 0.8 * leaves.z) * (0.9 + 0.8 * leaves.x + 0.6 * boughs.z) * 1.2;
