@@ -36,5 +36,6 @@ export function viewport(view: number, side: number): Viewport {
 export function viewsPerFrame(frame_ms: number): number {
   if (frame_ms < 22) return 4;
   if (frame_ms < 60) return 2;
-  return frame_ms < 200 ? 3 : 8;
+  if (frame_ms < 200) return 3;
+  return frame_ms < 1000 ? 8 : 24;
 }
