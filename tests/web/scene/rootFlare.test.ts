@@ -2,7 +2,7 @@ import { CylinderGeometry } from "three";
 import { describe, expect, it } from "vitest";
 import { flareFactor, rootFlare } from "../../../web/src/scene/treeModel/rootFlare";
 
-/** A stem of radius 0.2 m and 4 m height with rings every metre, and a box beside it. */
+/** A stem of radius 0.2 m and 4 m height with rings every metre. */
 function stem() {
   const tube = new CylinderGeometry(0.16, 0.2, 4, 12, 4, true).translate(0, 2, 0);
   return {

@@ -19,6 +19,7 @@ import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
+import { smoothstep } from "../sky/weather";
 import { REACH_M, THINNING_LEVELS } from "./farPlaces";
 
 const SECTOR_COUNT = 256;
@@ -34,11 +35,6 @@ const ROUGH_SHARE = 0.22;
 /** Least distance from the simulated trees, m. */
 const CLEAR_M = 12;
 const HASH_SEED = 379;
-
-const smoothstep = (from: number, to: number, x: number) => {
-  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
-  return t * t * (3 - 2 * t);
-};
 
 /** Distance from the centre of the forest at which the surface begins, m. */
 export function canopyFrom_m(edge_m: number, background: boolean): number {

@@ -1,12 +1,8 @@
 /** Shape of the land: pure functions of position, shared by terrain, placement and camera. */
 import { fractalNoise, valueNoise } from "galewood/random";
+import { smoothstep } from "../sky/weather";
 
 const RANDOM_SEED = 20_260;
-
-const smoothstep = (from: number, to: number, x: number) => {
-  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
-  return t * t * (3 - 2 * t);
-};
 
 /** Centre line of the glade that leads away from the initial camera: x (m) for a given z. */
 export function gladeCentre_m(z: number): number {
@@ -33,4 +29,11 @@ export function groundHeight_m(x: number, z: number): number {
   const far = smoothstep(300, 1500, distance);
   const hills = far > 0 ? far * (46 + 95 * ridge(x / 620, z / 620, RANDOM_SEED + 9)) : 0;
   return rolling * (1 + smoothstep(150, 600, distance)) + hollow + hills;
+}
+
+/** Slope of the ground along x and z, over this distance on both sides. */
+export function slopeAt(x: number, z: number, over_m: number): readonly [number, number] {
+  const rise = (dx: number, dz: number) =>
+    (groundHeight_m(x + dx, z + dz) - groundHeight_m(x - dx, z - dz)) / (2 * over_m);
+  return [rise(over_m, 0), rise(0, over_m)];
 }

@@ -12,7 +12,7 @@ import {
   type Vector3,
 } from "three";
 import { CROWN_FLOATS, type Crowns } from "../sky/exposure";
-import { groundHeight_m } from "./landscape";
+import { groundHeight_m, slopeAt } from "./landscape";
 
 /** Feet are drawn up to this distance, m, and chosen again when the camera has moved by a tenth of it. */
 const REACH_M = 48;
@@ -102,13 +102,8 @@ export class StemFeet {
     for (let at = 0; at < crowns.length && count < MOST_FEET; at += CROWN_FLOATS) {
       const [x, z] = [crowns[at], crowns[at + 2]];
       if (Math.hypot(x - eye.x, z - eye.z) > REACH_M + MOVED_M) continue;
-      const rise = (dx: number, dz: number) =>
-        (groundHeight_m(x + dx, z + dz) - groundHeight_m(x - dx, z - dz)) / (2 * SLOPE_M);
       const half_m = Math.max(LEAST_WIDTH_M, WIDTH_SHARE * crowns[at + 4]);
-      out.set(
-        [x, groundHeight_m(x, z), z, half_m, rise(SLOPE_M, 0), rise(0, SLOPE_M)],
-        FOOT_FLOATS * count++,
-      );
+      out.set([x, groundHeight_m(x, z), z, half_m, ...slopeAt(x, z, SLOPE_M)], FOOT_FLOATS * count++);
     }
     this.mesh.geometry.instanceCount = count;
     this.buffer.clearUpdateRanges();

@@ -19,7 +19,7 @@ import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
 import type { Crowns } from "../sky/exposure";
 import type { GroundWind } from "./groundWind";
-import { groundHeight_m } from "./landscape";
+import { groundHeight_m, slopeAt } from "./landscape";
 import { PlantField } from "./plantField";
 import { KIND_LOOKS, PLANT_KINDS, type PlantKind, seenIn } from "./plantKinds";
 import { Trunks } from "./trunks";
@@ -41,13 +41,6 @@ interface Layer {
   readonly field: PlantField;
   readonly mesh: Mesh<PlantField["geometry"], MeshLambertMaterial> & { customDepthMaterial?: Material };
   readonly reach: { value: number };
-}
-
-/** Slope of the ground along x and z, over this distance on both sides. */
-function slopeAt(x: number, z: number, over_m: number): readonly [number, number] {
-  const rise = (dx: number, dz: number) =>
-    (groundHeight_m(x + dx, z + dz) - groundHeight_m(x - dx, z - dz)) / (2 * over_m);
-  return [rise(over_m, 0), rise(0, over_m)];
 }
 
 export class Undergrowth {

@@ -1,5 +1,6 @@
 /** Where low plants, stones, dead wood and fallen leaves lie: pure functions of the cell of a lattice, the land and the trees. */
 import { hashUnit, valueNoise } from "galewood/random";
+import { smoothstep } from "../sky/weather";
 import { glade } from "./landscape";
 import type { Trunks } from "./trunks";
 
@@ -29,11 +30,6 @@ const CLEAR_M = {
 const WIDTH_SHARE = 0.5;
 /** Least distance of a fallen trunk from those that stand, along its length, m. */
 const LOG_CLEAR_M = 0.45;
-
-const smoothstep = (from: number, to: number, x: number) => {
-  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
-  return t * t * (3 - 2 * t);
-};
 
 function placeIn(column: number, row: number, spacing_m: number, seed: number) {
   const at = (channel: number) => hashUnit(seed, column, row, channel);
