@@ -2,7 +2,7 @@ import { readFileSync, statSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { beforeAll, describe, expect, it } from "vitest";
 import { readGlb } from "../../tools/species/glb";
-import { type GrownSpecies, growSpecies } from "../../tools/species/grow";
+import { drawSprays, type GrownSpecies, growSpecies } from "../../tools/species/grow";
 import { SPECIES } from "../../tools/species/parameters";
 import { decodePng } from "../../tools/species/pictures/picture";
 
@@ -216,6 +216,22 @@ describe.each(SPECIES)("$id", (species) => {
     expect(now.map((pixels, i) => Buffer.compare(pixels, old[i]))).toEqual(old.map(() => 0));
   }, 60_000);
 });
+
+it.each(SPECIES.filter(({ form }) => form === "open"))("reproduces the picture of the sprays: $id", (species) => {
+  const committed = decodePng(readFileSync(path(`${species.wood}.sprays.png`)));
+  const drawn = decodePng(drawSprays(species));
+  expect([drawn.width, drawn.height]).toEqual([committed.width, committed.height]);
+  expect(Buffer.compare(drawn.data, committed.data)).toBe(0);
+  // No leaf is cut off: the edges of the eight tiles are empty but for the foot of the stem.
+  const side = committed.height / 2;
+  for (let y = 0; y < committed.height; y++) {
+    for (let x = 0; x < committed.width; x++) {
+      const [left, up] = [x % side, side - 1 - (y % side)];
+      const edge = left < 3 || left >= side - 3 || up >= side - 3;
+      if (edge) expect(committed.data[4 * (y * committed.width + x) + 3]).toBe(0);
+    }
+  }
+}, 60_000);
 
 it("is deterministic", async () => {
   const species = SPECIES[SPECIES.length - 1];

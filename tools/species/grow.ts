@@ -6,7 +6,7 @@ import type { SurfaceMesh } from "./growth/surface";
 import { growTwigs } from "./growth/twigs";
 import { woodMesh } from "./growth/wood";
 import { barkPictures } from "./pictures/bark-picture";
-import { leafPicture } from "./pictures/leaf-picture";
+import { leafPicture, sprayPicture } from "./pictures/leaf-picture";
 import { encodePng } from "./pictures/picture";
 import type { Species } from "./species";
 
@@ -50,6 +50,11 @@ function growTree(species: Species): Grown {
     grown = atHeight(species, height_m);
   }
   return grown;
+}
+
+/** The picture of the sprays of a species, which browsers draw near the eye in place of its leaf cards, as PNG. */
+export function drawSprays({ leaf, habit }: Species): Uint8Array {
+  return encodePng(sprayPicture(leaf, habit.seed), false);
 }
 
 /** Grows a species: the same parameters give the same bytes. */

@@ -37,6 +37,7 @@ function withPictures(glb, folder) {
     parts.push(padded(picture, 0));
     end += parts.at(-1).length;
   }
+  for (const material of document.materials) delete material.extras; // a picture that only the page draws
   document.buffers[0].byteLength = end;
   const head = Buffer.from(glb.subarray(0, GLB_HEAD));
   const body = [

@@ -4,21 +4,21 @@ import { type Profile, sample } from "./growth";
 import { type Site, type Stretch, sitesOn } from "./sites";
 import type { SurfaceMesh } from "./surface";
 
-/** Arrangement of the leaf sprays on the twigs. A spray is one card: a quad with a picture of a shoot. */
+/** Arrangement of the leaf cards on the twigs: quads with a picture of a shoot. */
 export interface Foliage {
   cards: number;
   size_m: number;
   /** Relative scatter of size. */
   scatter: number;
-  /** Angle between spray and shoot (degrees) from the base of a twig to its tip. */
+  /** Angle between card and shoot (degrees) from the base of a twig to its tip. */
   angle_deg: Profile;
-  /** Tendency of the sprays to point up (positive) or down. */
+  /** Tendency of the cards to point up (positive) or down. */
   lift: number;
   /** Brightness inside the crown (1 = same as outside). */
   shade: number;
-  /** Colour variation between boughs and between sprays, 0 to 1. */
+  /** Colour variation between boughs and between cards, 0 to 1. */
   bough_tint: number;
-  spray_tint: number;
+  card_tint: number;
 }
 
 interface Crown {
@@ -69,7 +69,7 @@ function addCard(
   random: Random,
 ): void {
   const size = foliage.size_m * random.around(1, foliage.scatter);
-  const axis = sprayAxis(site, index, foliage, random);
+  const axis = cardAxis(site, index, foliage, random);
   const out = outward(site.position.clone().addScaledVector(axis, size / 2), crown);
   const facing = cardNormal(axis, out.direction, random);
   const across = new Vector3().crossVectors(axis, facing);
@@ -100,7 +100,7 @@ function addCard(
 }
 
 /** Shoots leave the twig at the species' angle, rotated by the golden angle, and are bent up or down. */
-function sprayAxis(site: Site, index: number, foliage: Foliage, random: Random): Vector3 {
+function cardAxis(site: Site, index: number, foliage: Foliage, random: Random): Vector3 {
   const angle = ((sample(foliage.angle_deg, site.along) + random.around(0, 25)) * Math.PI) / 180;
   const helper = Math.abs(site.tangent.y) > 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
   const side = new Vector3().crossVectors(site.tangent, helper).normalize();
@@ -110,7 +110,7 @@ function sprayAxis(site: Site, index: number, foliage: Foliage, random: Random):
   return axis.normalize();
 }
 
-/** Leaves face the light: outwards and up with a wide scatter, perpendicular to the axis of the spray. */
+/** Leaves face the light: outwards and up with a wide scatter, perpendicular to the axis of the card. */
 function cardNormal(axis: Vector3, out: Vector3, random: Random): Vector3 {
   const normal = out.clone().multiplyScalar(0.6);
   normal.y += 0.2;
@@ -122,7 +122,7 @@ function cardNormal(axis: Vector3, out: Vector3, random: Random): Vector3 {
   return normal.normalize();
 }
 
-/** Darker towards the centre and the underside of the crown, with small variations between boughs and sprays. */
+/** Darker towards the centre and the underside of the crown, with small variations between boughs and cards. */
 function cardColour(
   out: { direction: Vector3; depth: number },
   foliage: Foliage,
@@ -131,7 +131,7 @@ function cardColour(
 ): [number, number, number] {
   const light = smoothstep(0.2, 0.95, out.depth) * 0.8 + 0.2 * smoothstep(-0.6, 0.6, out.direction.y);
   const value = foliage.shade + (1 - foliage.shade) * light;
-  const hue = boughTint * foliage.bough_tint + random.around(0, 1) * foliage.spray_tint;
+  const hue = boughTint * foliage.bough_tint + random.around(0, 1) * foliage.card_tint;
   const channel = (x: number): number => Math.min(1, Math.max(0, value * x));
   return [
     channel(1 - Math.max(0, -hue) * 0.5),

@@ -81,7 +81,7 @@ export const apricot: Species = {
     lift: 0.08,
     shade: 0.5,
     bough_tint: 0.2,
-    spray_tint: 0.25,
+    card_tint: 0.25,
   },
   leaf: {
     ...ovate(),

@@ -81,7 +81,7 @@ export const maple: Species = {
     lift: -0.02,
     shade: 0.5,
     bough_tint: 0.35,
-    spray_tint: 0.25,
+    card_tint: 0.25,
   },
   leaf: {
     ...palmate(),

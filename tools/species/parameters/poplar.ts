@@ -80,7 +80,7 @@ export const poplar: Species = {
     lift: 0.1,
     shade: 0.55,
     bough_tint: 0.25,
-    spray_tint: 0.3,
+    card_tint: 0.3,
   },
   leaf: {
     ...deltoid(),

@@ -2,24 +2,74 @@ import { type Random, seededRandom } from "../random";
 import type { LeafLook } from "./leaf-look";
 import { insideLeaf, type LeafPoint } from "./outline";
 import { blank, bleed, type Colour, halve, type Picture } from "./picture";
-import { growShoots, type Leaf, placeLeaves, type Shoot } from "./shoots";
+import { growShoots, growTip, type Leaf, placeLeaves, type Shoot } from "./shoots";
 
-const TILE_PX = 512;
 const OVERSAMPLING_FACTOR = 2;
 
-/** Four different shoots in a 2 × 2 atlas of 1024 pixels, drawn at double size. */
+/** Tiles of one picture, each with a different shoot. */
+interface Sheet {
+  columns: number;
+  rows: number;
+  tile_px: number;
+  /** What is in a tile. */
+  grow(look: LeafLook, palette: readonly Colour[], random: Random): LeafyShoots;
+}
+
+interface LeafyShoots {
+  shoots: readonly Shoot[];
+  leaves: readonly Leaf[];
+}
+
+function leafy(shoots: Shoot[], look: LeafLook, palette: readonly Colour[], random: Random): LeafyShoots {
+  return { shoots, leaves: placeLeaves(look, shoots, palette, random) };
+}
+
+const CARDS: Sheet = {
+  columns: 2,
+  rows: 2,
+  tile_px: 512,
+  grow: (look, palette, random) => leafy(growShoots(random), look, palette, random),
+};
+const SPRAYS: Sheet = {
+  columns: 4,
+  rows: 2,
+  tile_px: 384,
+  grow: (look, palette, random) => fitted(look, leafy(growTip(random), look, palette, random)),
+};
+/** Side of a spray relative to the card of which it is a part. */
+const SPRAY_SHARE = 0.6;
+const LEAVES_PER_SPRAY = 6;
+
+/** Four different shoots in a 2 × 2 atlas of 1024 pixels. */
 export function leafPicture(look: LeafLook, seed: number): Picture {
-  const large = blank(2 * TILE_PX * OVERSAMPLING_FACTOR, 2 * TILE_PX * OVERSAMPLING_FACTOR);
-  for (let tile = 0; tile < 4; tile++) drawTile(large, look, tile, seededRandom(seed + 7919 * tile));
+  return drawSheet(CARDS, look, seed);
+}
+
+/** Eight different ends of shoots, with leaves of the size that they have on a card, in a 4 × 2 atlas. */
+export function sprayPicture(look: LeafLook, seed: number): Picture {
+  const larger = { ...look, length: look.length / SPRAY_SHARE, leavesPerCard: LEAVES_PER_SPRAY };
+  return drawSheet(SPRAYS, larger, seed + 1);
+}
+
+/** Drawn at double size. */
+function drawSheet(sheet: Sheet, look: LeafLook, seed: number): Picture {
+  const size = sheet.tile_px * OVERSAMPLING_FACTOR;
+  const large = blank(sheet.columns * size, sheet.rows * size);
+  for (let tile = 0; tile < sheet.columns * sheet.rows; tile++) {
+    const frame = new Frame(
+      large,
+      (tile % sheet.columns) * size,
+      Math.floor(tile / sheet.columns) * size,
+      size,
+    );
+    const palette = look.palettes[tile % look.palettes.length];
+    drawTile(frame, look, sheet.grow(look, palette, seededRandom(seed + 7919 * tile)));
+  }
   return bleed(halve(large));
 }
 
-function drawTile(picture: Picture, look: LeafLook, tile: number, random: Random): void {
-  const size = TILE_PX * OVERSAMPLING_FACTOR;
-  const frame = new Frame(picture, (tile % 2) * size, Math.floor(tile / 2) * size, size);
-  const shoots = growShoots(random);
+function drawTile(frame: Frame, look: LeafLook, { shoots, leaves }: LeafyShoots): void {
   for (const shoot of shoots) drawStem(frame, shoot, look.stem);
-  const leaves = placeLeaves(look, shoots, look.palettes[tile], random);
   for (const leaf of leaves) {
     drawShadow(frame, look, leaf);
     drawPetiole(frame, look, leaf);
@@ -53,6 +103,34 @@ class Frame {
     for (let c = 0; c < 3; c++) this.picture.data[at + c] = Math.min(1, Math.max(0, colour[c]));
     this.picture.data[at + 3] = 1;
   }
+}
+
+/** Largest extent of a tile's shoot: half its width and its height. */
+const MOST_ACROSS = 0.485;
+const MOST_HIGH = 0.985;
+
+/** Shrinks a shoot about its foot until all its leaves are within the tile. */
+function fitted(look: LeafLook, { shoots, leaves }: LeafyShoots): LeafyShoots {
+  const edge = leaves.flatMap((leaf) =>
+    look.outline.flatMap(([x, y]) => [fromBlade(look, leaf, x, y), fromBlade(look, leaf, -x, y)]),
+  );
+  const across = Math.max(...edge.map(([x]) => Math.abs(x - 0.5)));
+  const scale = Math.min(1, MOST_ACROSS / across, MOST_HIGH / Math.max(...edge.map(([, y]) => y)));
+  const moved = ([x, y]: LeafPoint): LeafPoint => [0.5 + scale * (x - 0.5), scale * y];
+  return {
+    shoots: shoots.map(({ points, weight }) => ({ points: points.map(moved), weight: scale * weight })),
+    leaves: leaves.map((leaf) => {
+      const [x, y] = moved([leaf.x, leaf.y]);
+      return { ...leaf, x, y, length: scale * leaf.length };
+    }),
+  };
+}
+
+/** The card point of blade coordinates: the inverse of `toBlade`. */
+function fromBlade(look: LeafLook, leaf: Leaf, bx: number, by: number): LeafPoint {
+  const [across, along] = [leaf.length * leaf.squeeze * bx, leaf.length * (by + look.petiole)];
+  const [sin, cos] = [Math.sin(leaf.angle), Math.cos(leaf.angle)];
+  return [leaf.x + across * cos + along * sin, leaf.y - across * sin + along * cos];
 }
 
 /** Blade coordinates (leaf lengths) of a card point; the blade starts where the petiole ends. */

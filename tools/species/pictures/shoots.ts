@@ -34,6 +34,12 @@ export function growShoots(random: Random): Shoot[] {
   return shoots;
 }
 
+/** The end of a shoot: its leaves are as large as the shoot is long. */
+export function growTip(random: Random): Shoot[] {
+  const bend = random.around(0, 0.07);
+  return [{ points: curve([0.5, 0], [0.5 + bend, 0.28], [0.5 - bend, 0.56]), weight: 1 }];
+}
+
 function curve(a: LeafPoint, b: LeafPoint, c: LeafPoint): LeafPoint[] {
   return Array.from({ length: 25 }, (_, i) => {
     const t = i / 24;

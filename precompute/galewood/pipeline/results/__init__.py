@@ -1,6 +1,12 @@
 """The result of a build, and the forms in which it is distributed with the software."""
 
-from galewood.pipeline.results.light import LIGHT_FOLDER, PICTURES_FOLDER, light_mesh, write_light
+from galewood.pipeline.results.light import (
+    LIGHT_FOLDER,
+    PICTURES_FOLDER,
+    SPRAYS_NAME,
+    light_mesh,
+    write_light,
+)
 from galewood.pipeline.results.result import BuildResult, bare_path, read_compliance, write_compliance
 from galewood.pipeline.results.shipped import (
     BUILTIN_OPTIONS,
@@ -20,6 +26,7 @@ __all__ = [
     "PICTURES_FOLDER",
     "PICTURE_SUFFIX",
     "SHIPPED_FOLDER",
+    "SPRAYS_NAME",
     "BuildResult",
     "ShippedTree",
     "bare_path",

@@ -2,7 +2,9 @@
 
 A light mesh has the vertices of its render mesh in the same order, so the same table moves it. Positions and
 texture coordinates are rounded, normals are octahedral, and all are compressed with meshopt. Both forms of a
-species share pictures, which are WebP files beside the mesh. The folder ``light`` holds
+species share pictures, which are WebP files beside the mesh. The extras of the material ``leaves`` name a
+further one as ``sprays``: eight sprays of the species, which a browser may draw near the eye in place of leaf
+cards. The folder ``light`` holds
 
 - ``name.glb`` for each tree, which refers to ``pictures/…`` relative to itself;
 - ``pictures/species-what.hash.webp``, each named by its content;
@@ -14,7 +16,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,6 +28,7 @@ from galewood.util import WEBP_EXTENSION, WEBP_MIME, Json, glb_parts, packed_glb
 LIGHT_FOLDER, PICTURES_FOLDER, INDEX_FILE = "light", "pictures", "index.json"
 PICTURE_NAMES = {("wood", "baseColorTexture"): "bark", ("wood", "normalTexture"): "bark-normal"}
 """Material and slot -> name of a picture; others are named by their material."""
+LEAVES_NAME, SPRAYS_NAME = "leaves", "sprays"
 COLOUR_QUALITY, NORMAL_QUALITY = 82, 90
 
 
@@ -37,6 +40,8 @@ class Pictures:
     files: dict[str, bytes] = field(default_factory=dict[str, bytes])
     """File name -> content."""
     _names: dict[str, str] = field(default_factory=dict[str, str])
+    sprays: bytes | None = None
+    """The picture of the sprays, as PNG."""
 
     def uri(self, material: str, slot: str, content: bytes) -> str:
         """The address of a picture, relative to a light mesh."""
@@ -59,6 +64,12 @@ def light_glb(render_glb: bytes, pictures: Pictures) -> bytes:
                 buffers.attribute(name, accessor)
             buffers.indices(primitive["indices"])
     images = _images(document, body, pictures)
+    if pictures.sprays is not None:
+        for material in document["materials"]:
+            if material["name"] == LEAVES_NAME:
+                material["extras"] = {
+                    SPRAYS_NAME: pictures.uri(SPRAYS_NAME, "baseColorTexture", pictures.sprays)
+                }
     extensions = [*buffers.EXTENSIONS, *([WEBP_EXTENSION] if images else [])]
     return packed_glb(
         document
@@ -69,26 +80,37 @@ def light_glb(render_glb: bytes, pictures: Pictures) -> bytes:
     )
 
 
-def write_light(folder: Path, trees: Iterable[tuple[str, str, bytes]]) -> None:
-    """Write the light meshes of all trees to ``folder``, in place of those that it has.
+def write_light(folder: Path, trees: Iterable[tuple[str, str, bytes]], sprays: Mapping[str, bytes]) -> bool:
+    """Write the light meshes of all trees to ``folder``, in place of those that it has; did a file change?
 
     ``trees``: name, species and render mesh of each. The first form of a species has the pictures of both.
+    ``sprays``: the picture of the sprays of each species that has one, as PNG.
     """
     pictures: dict[str, Pictures] = {}
     meshes: dict[str, bytes] = {}
     index: dict[str, str] = {}
     for name, species, render_glb in trees:
-        own = pictures.setdefault(species, Pictures(species))
+        own = pictures.setdefault(species, Pictures(species, sprays=sprays.get(species)))
         meshes[f"{name}.glb"] = light_glb(render_glb, own)
         index[hashlib.sha256(render_glb).hexdigest()] = f"{name}.glb"
+        if own.sprays is not None:
+            index[hashlib.sha256(own.sprays).hexdigest()] = own.uri(
+                SPRAYS_NAME, "baseColorTexture", own.sprays
+            )
     drawn = {f"{PICTURES_FOLDER}/{file}": b for own in pictures.values() for file, b in own.files.items()}
     (folder / PICTURES_FOLDER).mkdir(parents=True, exist_ok=True)
-    for file, content in (meshes | drawn).items():
+    files = meshes | drawn | {INDEX_FILE: (json.dumps(index, indent=1) + "\n").encode()}
+    before = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
+    changed = {
+        file: content
+        for file, content in files.items()
+        if file not in before or before[file].read_bytes() != content
+    }
+    for file, content in changed.items():
         write_atomically(folder / file, content)
-    write_atomically(folder / INDEX_FILE, (json.dumps(index, indent=1) + "\n").encode())
-    for path in [*folder.glob("*.glb"), *(folder / PICTURES_FOLDER).iterdir()]:
-        if path.relative_to(folder).as_posix() not in meshes | drawn:
-            path.unlink()
+    for file in before.keys() - files.keys():
+        before[file].unlink()
+    return bool(changed)
 
 
 def light_mesh(folder: Path, mesh_sha256: str) -> bytes | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -14,9 +13,9 @@ from galewood.pipeline.results import (
     LIGHT_FOLDER,
     PICTURE_SUFFIX,
     SHIPPED_FOLDER,
+    SPRAYS_NAME,
     ShippedTree,
     build_key,
-    light_mesh,
     read_shipped,
     write_light,
     write_shipped,
@@ -97,15 +96,14 @@ def outdated(folder: Path) -> Iterator[BuiltinMesh]:
 
 
 def ship_light(folder: Path) -> bool:
-    """Write the light copies of the shipped render meshes, unless all are there; returns whether it did.
+    """Write the light copies of the shipped render meshes; returns whether any changed.
 
     Raises FileNotFoundError if a tree is not shipped.
     """
     meshes = builtin_meshes(folder)
     render_glbs = [(folder / SHIPPED_FOLDER / f"{mesh.name}.glb").read_bytes() for mesh in meshes]
-    light = folder / LIGHT_FOLDER
-    if all(light_mesh(light, hashlib.sha256(glb).hexdigest()) for glb in render_glbs):
-        return False
     species = [str(mesh.options["species"]) for mesh in meshes]
-    write_light(light, zip([mesh.name for mesh in meshes], species, render_glbs, strict=True))
-    return True
+    drawn = {one: folder / f"{one}.{SPRAYS_NAME}.png" for one in species}
+    sprays = {one: path.read_bytes() for one, path in drawn.items() if path.is_file()}
+    trees = zip([mesh.name for mesh in meshes], species, render_glbs, strict=True)
+    return write_light(folder / LIGHT_FOLDER, trees, sprays)

@@ -114,7 +114,7 @@ export class Forest extends Group {
       materials: makerOf(materials, this.leafShare),
       maxTextureSide: MAX_TEXTURE_SIDE,
       shadows: { share: 1 },
-      shoots: false,
+      fine: false,
       flutter: { value: { x: 0, y: 1 } },
       exaggeration: { value: 1 },
     };

@@ -21,8 +21,30 @@ const LEVEL_HYSTERESIS = 0.93;
 /** Minimum share far away; low enough for the last level. */
 const LEAST_SHARE = 0.9 * LEVEL_SHARES[LEVEL_COUNT - 1];
 
-/** Share of pieces that a tree shows: 1 up to the first distance, then a power of the distance. */
-export function shareAt(distance_m: number, [first_m, second_m]: readonly [number, number]): number {
+/**
+ * Near the eye a tree shows a share above 1, up to 2: its leaf cards give way to finer parts, whose ranks are those of their
+ * cards, spread from `NEAR_RANK` to 2.
+ */
+export const MOST_SHARE = 2;
+export const NEAR_RANK = 1 + SHRINK_RANK_WIDTH;
+/** The whole near detail is shown up to this share of the distance at which it begins. */
+const WHOLE_NEAR_SHARE = 0.6;
+
+/** The rank of a part near the eye in place of a card of this rank. */
+export const nearRank = (rank: number): number => NEAR_RANK + (MOST_SHARE - NEAR_RANK) * rank;
+
+/**
+ * Share of pieces that a tree shows: 1 up to the first distance, then a power of the distance. Nearer than `near_m` it rises
+ * above 1.
+ */
+export function shareAt(
+  distance_m: number,
+  [first_m, second_m]: readonly [number, number],
+  near_m = 0,
+): number {
+  if (distance_m < near_m) {
+    return Math.min(MOST_SHARE, 1 + (1 - distance_m / near_m) / (1 - WHOLE_NEAR_SHARE));
+  }
   if (distance_m <= first_m) return 1;
   const power = Math.log(SHARE_AT_SECOND) / Math.log(second_m / first_m);
   return Math.max(LEAST_SHARE, (distance_m / first_m) ** power);
@@ -31,7 +53,7 @@ export function shareAt(distance_m: number, [first_m, second_m]: readonly [numbe
 /** The level for a share; `before` is the previous level (255: none), kept within the hysteresis. */
 export function levelFor(share: number, before: number): number {
   let level = LEVEL_COUNT - 1;
-  while (LEVEL_SHARES[level] < share) level--;
+  while (level > 0 && LEVEL_SHARES[level] < share) level--;
   if (before >= level || before === 255) return level;
   return share < LEVEL_HYSTERESIS * LEVEL_SHARES[before + 1] ? level : before;
 }
@@ -41,8 +63,13 @@ export function pieceSize(rank: number, share: number): number {
   return Math.min(1, Math.max(0, (share * (1 + SHRINK_RANK_WIDTH) - rank) / (SHRINK_RANK_WIDTH * share)));
 }
 
+/** The same of a leaf, which gives way near the eye unless it is itself a near part; same as in the shader. */
+export const leafSize = (rank: number, share: number): number =>
+  pieceSize(rank, share) * (rank < 1 ? 1 - pieceSize(nearRank(rank), share) : 1);
+
 /** Growth factor of the remaining leaves; same as in the shader. */
-export const leafGrowth = (share: number): number => Math.min(MOST_LEAF_GROWTH, 1 / Math.sqrt(share));
+export const leafGrowth = (share: number): number =>
+  Math.min(MOST_LEAF_GROWTH, 1 / Math.sqrt(Math.min(1, share)));
 
 /** Position (xyz) of a leaf vertex at this share, scaled about a point; same as in the shader. */
 export function grownLeaf(
@@ -51,7 +78,7 @@ export function grownLeaf(
   rank: number,
   share: number,
 ): number[] {
-  const grown = pieceSize(rank, share) * leafGrowth(share);
+  const grown = leafSize(rank, share) * leafGrowth(share);
   return vertex.map((at, axis) => middle[axis] + grown * (at - middle[axis]));
 }
 
@@ -106,8 +133,9 @@ export function rankedIndex(
   triangles.forEach((t, place) => {
     for (let corner = 0; corner < 3; corner++) sorted[3 * place + corner] = index[3 * t + corner];
   });
-  const counts = LEVEL_SHARES.map((share) => {
-    const beyond = triangles.findIndex((t) => pieceSize(rank[t], share) <= 0);
+  const counts = LEVEL_SHARES.map((share, level) => {
+    const most = level === 0 ? MOST_SHARE : share;
+    const beyond = triangles.findIndex((t) => pieceSize(rank[t], most) <= 0);
     return 3 * (beyond < 0 ? triangles.length : beyond);
   });
   return { index: sorted, counts };

@@ -12,6 +12,8 @@ export interface View {
   readonly sun: Point;
   /** Distances (m) up to which a tree of scale 1 shows all its leaves, and at which it shows a fifth. */
   readonly levelFrom_m: readonly [number, number];
+  /** Distance (m) below which a tree of scale 1 shows its near parts, if it has any; never without it. */
+  readonly near_m?: number;
   /** Shadows are drawn up to this distance. */
   readonly shadow_m: number;
   /** Whether all trees up to it cast them, because light comes from elsewhere than the sun. */
@@ -101,13 +103,16 @@ export class DrawList {
 
   /** Sets level and shares of a tree; returns the share of its pieces that its impostor leaves. */
   private detail(tree: number, distance_m: number, seen: boolean, view: View): number {
-    const share = shareAt(distance_m, view.levelFrom_m);
+    const share = shareAt(distance_m, view.levelFrom_m, view.near_m);
     const { card, pieces } = fadeAt(distance_m, view.cardsFrom_m ?? Number.POSITIVE_INFINITY);
     if (seen) this.card[tree] = card;
     const shown = Math.max(LEAST_SHOWN, share * pieces);
     this.share[tree] = pieces === 1 ? share : shown;
     this.level[tree] = levelFor(this.share[tree], this.level[tree]);
-    this.castShare[tree] = pieces === 1 ? share : Math.min(share, LEVEL_SHARES[this.level[tree]]);
+    this.castShare[tree] = Math.min(
+      1,
+      pieces === 1 ? share : Math.min(share, LEVEL_SHARES[this.level[tree]]),
+    );
     return pieces;
   }
 

@@ -6,14 +6,18 @@ import type { TreePart } from "./mesh/treeMesh";
 /** Largest value of the third number of a joint attribute: the whole share of its second node. */
 export const WHOLE_SHARE = 65535;
 
-/** Both nodes of the joint of each vertex of one part at one level, and the share of the second. */
+/**
+ * Both nodes of the joint of each vertex of one part at one level, the share of the second, and the vertex itself (modulo
+ * 2¹⁶), for parts that are added to those of the file.
+ */
 export function jointAttribute(part: TreePart, firstVertex: number, motion: DrawnMotion, level: NodeLevel) {
   const joints = new Uint16Array(4 * part.vertices);
   part.hold.forEach((vertex, v) => {
     const joint = motion.vertexJoint[firstVertex + vertex];
     const share = Math.round(WHOLE_SHARE * motion.jointShare[joint]);
     const [first, second] = [0, 1].map((k) => level.of[motion.jointNodes[2 * joint + k]]);
-    joints.set(share > 0 && first !== second ? [first, second, share, 0] : [first, first, 0, 0], 4 * v);
+    const held = firstVertex + vertex;
+    joints.set(share > 0 && first !== second ? [first, second, share, held] : [first, first, 0, held], 4 * v);
   });
   return new BufferAttribute(joints, 4);
 }

@@ -11,6 +11,7 @@ import {
   Mesh,
 } from "three";
 import { LEVEL_SHARES } from "../core/constants";
+import { MOST_SHARE } from "./detail";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
@@ -19,6 +20,8 @@ import type { PartMaterials } from "./partMaterials";
 /** A part at this level: triangles sorted by rank, and the joint of each vertex. */
 export interface LevelPart {
   readonly part: TreePart;
+  /** Drawn of the nearest trees only, those that show a share of pieces above 1. */
+  readonly near: boolean;
   /** Nodes and share of each vertex's joint, and its place; null: the tree stands still. */
   readonly joint: BufferAttribute | null;
   readonly pivot: BufferAttribute | null;
@@ -65,11 +68,20 @@ function instancesFor(trees: number): InstancedInterleavedBuffer {
   return buffer;
 }
 
+interface LevelMesh {
+  readonly mesh: InstancedMesh;
+  readonly materials: PartMaterials;
+  readonly caster: boolean;
+  readonly near: boolean;
+}
+
 export class LevelMeshes {
   private readonly seen: InstancedInterleavedBuffer;
   private readonly casting: InstancedInterleavedBuffer;
-  private readonly meshes: { mesh: InstancedMesh; materials: PartMaterials; caster: boolean }[] = [];
+  private readonly meshes: LevelMesh[] = [];
   private visible = 0;
+  /** Number of the visible trees, from the nearest on, among which are all that show near parts. */
+  private near = 0;
   private casters = 0;
   private castersWithin: (distance_m: number) => number = () => 0;
   constructor(
@@ -86,7 +98,8 @@ export class LevelMeshes {
       LEVEL_SHARES.findLastIndex((share) => share >= shadows.share),
     );
     for (const part of parts) {
-      group.add(this.colourMesh(part), this.shadowMesh(part, shadowLevel));
+      group.add(this.colourMesh(part));
+      if (!part.near) group.add(this.shadowMesh(part, shadowLevel));
     }
   }
 
@@ -98,7 +111,7 @@ export class LevelMeshes {
     mesh.frustumCulled = false; // trees are culled individually
     mesh.matrixAutoUpdate = false;
     mesh.castShadow = caster;
-    this.meshes.push({ mesh, materials: part.materials, caster });
+    this.meshes.push({ mesh, materials: part.materials, caster, near: part.near });
     return mesh;
   }
 
@@ -107,7 +120,7 @@ export class LevelMeshes {
     mesh.renderOrder = this.level;
     mesh.receiveShadow = true;
     mesh.onBeforeRender = () => {
-      mesh.geometry.instanceCount = this.visible;
+      mesh.geometry.instanceCount = part.near ? this.near : this.visible;
     };
     return mesh;
   }
@@ -131,12 +144,14 @@ export class LevelMeshes {
     const start = list.start[level];
     this.visible = Math.min(list.visible[level], texels.trees);
     this.copy(this.seen, data, list, texels, this.visible, list.share, (i) => start + i);
+    this.near = this.visible;
+    while (this.near > 0 && list.share[list.order[start + this.near - 1]] <= 1) this.near--;
     const castStart = list.castStart[level];
     this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
     this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
     const casterAt = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
     this.copy(this.casting, data, list, texels, this.casters, list.castShare, casterAt);
-    for (const { mesh, caster } of this.meshes) mesh.visible = (caster ? this.casters : this.visible) > 0;
+    for (const one of this.meshes) one.mesh.visible = this.countOf(one) > 0;
   }
 
   private copy(
@@ -150,7 +165,7 @@ export class LevelMeshes {
   ): void {
     const array = buffer.array as Float32Array;
     const start = list.start[this.level];
-    const mostShare = buffer === this.casting ? this.shadows.share : 1;
+    const mostShare = buffer === this.casting ? this.shadows.share : MOST_SHARE;
     for (let i = 0; i < count; i++) {
       const place = placeOf(i);
       const tree = list.order[place];
@@ -165,9 +180,14 @@ export class LevelMeshes {
     buffer.needsUpdate = count > 0;
   }
 
+  private countOf({ caster, near }: LevelMesh): number {
+    if (caster) return this.casters;
+    return near ? this.near : this.visible;
+  }
+
   get visibleTriangles(): number {
     const seen = this.meshes.filter(({ mesh, caster }) => !caster && mesh.material.visible);
-    return seen.reduce((sum, { mesh }) => sum + (mesh.geometry.drawRange.count / 3) * this.visible, 0);
+    return seen.reduce((sum, one) => sum + (one.mesh.geometry.drawRange.count / 3) * this.countOf(one), 0);
   }
 
   /** Draws with these materials, one pair per part. */

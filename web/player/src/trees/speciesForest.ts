@@ -20,8 +20,8 @@ export interface SpeciesOptions {
   readonly materials: MaterialMaker;
   readonly maxTextureSide: number;
   readonly shadows: ShadowOptions;
-  /** Draws fine shoots in place of fallen leaves; without smoothed edges they would be specks. */
-  readonly shoots: boolean;
+  /** Draws near parts, and fine shoots in place of fallen leaves; without smoothed edges they would be specks. */
+  readonly fine: boolean;
   /** What shows pulled branches, by the vertex whose motion each vertex takes; without it they are not shown. */
   pullsOf?(holds: Uint32Array): PullSlots;
   /** Shared clock and amplitude of the flutter of leaves. */
@@ -30,6 +30,8 @@ export interface SpeciesOptions {
   readonly exaggeration: { value: number };
 }
 
+/** In place of the first vertex of a part: it is added to those of the file, and named by its joints. */
+const ADDED_PART = -1;
 /** Buffers grow in steps of this many trees. */
 const ROOM_STEP = 256;
 const ALL_TREES: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
@@ -48,8 +50,10 @@ function holdsOf(model: TreeModel): Uint32Array {
 interface OwnPart {
   readonly part: TreePart;
   readonly firstVertex: number;
-  /** Drawn in place of leaves that have fallen. */
-  readonly bare: boolean;
+  /** Whether it is drawn always, with the leaves, or in place of leaves that have fallen. */
+  readonly season: "always" | "leafy" | "bare";
+  /** Drawn of trees near the eye only. */
+  readonly near: boolean;
   /** Shared by all levels; null: the tree stands still. */
   readonly pivot: BufferAttribute | null;
   readonly moving: PartMaterials | null;
@@ -98,48 +102,49 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   }
 
   private makeParts(): OwnPart[] {
+    const { parts: read, added, bare, near } = this.model;
     let firstVertex = 0;
-    const parts = this.model.parts.map((part) => {
+    const parts = read.map((part) => {
       const own = this.ownPart(part, firstVertex, firstVertex);
       firstVertex += part.vertices;
       return own;
     });
-    const shoots = this.options.shoots ? this.model.bare : [];
-    const held = ({ part, of }: AddedPart) => this.ownPart(part, parts[of].firstVertex, null);
-    const bare = shoots.map((shoot) => ({ ...held(shoot), bare: true }));
-    return [...parts, ...this.model.added.map(held), ...bare];
+    const held = ({ part, of }: AddedPart) => this.ownPart(part, parts[of].firstVertex, ADDED_PART);
+    const always = [...parts, ...added.map(held)];
+    if (!this.options.fine) return always;
+    const inLeaf = near.map((one): OwnPart => ({ ...held(one), season: "leafy", near: true }));
+    return [...always, ...inLeaf, ...bare.map((one): OwnPart => ({ ...held(one), season: "bare" }))];
   }
 
   /** `pullFirst`: as for `materials`. */
-  private ownPart(part: TreePart, firstVertex: number, pullFirst: number | null): OwnPart {
+  private ownPart(part: TreePart, firstVertex: number, pullFirst: number): OwnPart {
     return {
       part,
       firstVertex,
-      bare: false,
+      season: part.kind === "leaves" ? "leafy" : "always",
+      near: false,
       pivot: this.motion && pivotAttribute(part, firstVertex, this.motion),
       moving: this.motion ? this.materials(part, true, pullFirst) : null,
-      still: this.motion ? null : this.materials(part, false, null),
+      still: this.motion ? null : this.materials(part, false, pullFirst),
     };
   }
 
-  /** `pullFirst`: first vertex of the part in the fields of pulled points, which leave out added parts (null). */
-  private materials(part: TreePart, moves: boolean, pullFirst: number | null): PartMaterials {
-    const uniforms =
-      pullFirst === null
-        ? { ...this.uniforms, uPulls: { value: 0 } }
-        : { ...this.uniforms, uPullFirst: { value: pullFirst } };
+  /** `pullFirst`: first vertex of the part in the fields of pulled points, or `ADDED_PART`. */
+  private materials(part: TreePart, moves: boolean, pullFirst: number): PartMaterials {
+    const uniforms = { ...this.uniforms, uPullFirst: { value: pullFirst } };
     const materials = this.options.materials(part.material, part.kind, uniforms, moves);
     materials.colour.vertexColors = part.colour !== null;
     return materials;
   }
 
   private makeLevel(level: number): LevelMeshes {
-    const parts = this.parts.map(({ part, firstVertex, pivot, moving, still }): LevelPart => {
+    const drawn = this.parts.filter(({ near }) => level === 0 || !near);
+    const parts = drawn.map(({ part, firstVertex, near, pivot, moving, still }): LevelPart => {
       const materials = moving ?? still;
       if (!materials) throw new Error("a part without materials");
       const { motion } = this;
       const joint = motion && jointAttribute(part, firstVertex, motion, motion.levels[level]);
-      return { part, joint, pivot, materials };
+      return { part, near, joint, pivot, materials };
     });
     return new LevelMeshes(level, parts, this.room, this.options.shadows, this.group);
   }
@@ -161,9 +166,9 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   /** Whether the leaves are not drawn, because they have fallen. */
   set leafless(leafless: boolean) {
     this.fallen = leafless;
-    for (const { part, bare, moving, still } of this.parts) {
-      if (part.kind !== "leaves" && !bare) continue;
-      for (const materials of [moving, still]) if (materials) materials.colour.visible = leafless === bare;
+    for (const { season, moving, still } of this.parts) {
+      const visible = season === "always" || season === (leafless ? "bare" : "leafy");
+      for (const materials of [moving, still]) if (materials) materials.colour.visible = visible;
     }
   }
 
@@ -192,7 +197,8 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   /** Selects the trees that are drawn in this view, and their level of detail. */
   select(view: View): void {
     const cardsFrom_m = this.cards?.from_m;
-    this.list.select(this.bounds, cardsFrom_m === undefined ? view : { ...view, cardsFrom_m });
+    const near_m = this.fallen || !this.parts.some(({ near }) => near) ? 0 : view.near_m;
+    this.list.select(this.bounds, { ...view, near_m, cardsFrom_m });
     const texels = this.nodes?.place(this.list);
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
     for (let level = 0; level < LEVEL_COUNT; level++) {

@@ -1,6 +1,7 @@
 /** Shader code of pass 2, shared by the colour and shadow materials. */
 import type { Material, WebGLProgramParametersWithUniforms } from "three";
 import { MOST_LEAF_GROWTH, SHRINK_RANK_WIDTH } from "../core/constants";
+import { MOST_SHARE, NEAR_RANK } from "./detail";
 import { WHOLE_SHARE } from "./jointAttribute";
 import { LEAF_FLUTTER } from "./leafFlutter";
 import type { Part } from "./mesh/treeMesh";
@@ -53,6 +54,9 @@ uniform vec2 uFlutter;
 uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
+float pieceSize(float rank) {
+  return clamp((aTurn.w * ${1 + SHRINK_RANK_WIDTH} - rank) / (${SHRINK_RANK_WIDTH} * aTurn.w), 0.0, 1.0);
+}
 ${VARIANT_SHADER}${LEAF_FLUTTER}`;
 
 /** How trees stand: upright, turned about the vertical and of one scale, or as any matrix without shear says. */
@@ -94,9 +98,10 @@ vec3 objectNormal = normalize(stoodNormal(facing));
 `;
 
 const POSITION_GLSL = /* glsl */ `
-float grown = clamp((aTurn.w * ${1 + SHRINK_RANK_WIDTH} - aPiece.w) / (${SHRINK_RANK_WIDTH} * aTurn.w), 0.0, 1.0);
+float grown = pieceSize(aPiece.w);
 #ifdef LEAVES
-  grown *= min(${MOST_LEAF_GROWTH.toFixed(1)}, inversesqrt(aTurn.w));
+  if (aPiece.w < 1.0) grown *= 1.0 - pieceSize(${NEAR_RANK} + ${(MOST_SHARE - NEAR_RANK).toFixed(2)} * aPiece.w); // see detail.ts
+  grown *= min(${MOST_LEAF_GROWTH.toFixed(1)}, inversesqrt(min(aTurn.w, 1.0)));
 #endif
 grown *= hasVariant(aAnchor.w, aPlace.xz);
 vec3 local = mix(aAnchor.xyz, position, grown);

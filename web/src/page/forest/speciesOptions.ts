@@ -26,7 +26,7 @@ export function speciesOptions(
     maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
     // If gloss is affordable, so are the shadows of all leaves.
     shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], reach_m: cascadeReach_m },
-    shoots: quality !== "low",
+    fine: quality !== "low",
     pullsOf: (holds) => new PullSlots(holds),
     flutter,
     exaggeration,

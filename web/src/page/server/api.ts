@@ -1,7 +1,6 @@
 /** Client of the server's REST API. */
 
-import { openMesh } from "galewood/trees";
-import type { Object3D } from "three";
+import { type OpenedTree, openTree } from "../../scene/treeModel/openTree";
 import type { Schemas } from "./schema";
 import { type Sending, sendBody } from "./sending";
 
@@ -195,9 +194,9 @@ export const complianceUrl = (sha256: string) => `api/compliances/${sha256}`;
 
 export const recordsUrl = (sha256: string) => `api/records/${sha256}`;
 
-/** A mesh, opened, in its light copy if it has one. */
-export async function fetchMesh(sha256: string): Promise<Object3D> {
+/** The mesh of a tree, opened, in its light copy if it has one. */
+export async function fetchMesh(sha256: string): Promise<OpenedTree> {
   const path = `api/light-meshes/${sha256}`;
   const bytes = await (await fetchApi(path)).arrayBuffer();
-  return openMesh(bytes, new URL(".", new URL(path, document.baseURI)).href);
+  return openTree(bytes, new URL(".", new URL(path, document.baseURI)).href);
 }

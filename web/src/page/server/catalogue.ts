@@ -4,9 +4,9 @@ import { signal } from "@preact/signals-core";
 import type { TableMotion } from "galewood/client";
 import type { Foliage } from "galewood/core";
 import type { TreeModel } from "galewood/trees";
-import type { Object3D } from "three";
 import type { TreeAsset } from "../../scene/forest";
 import { type Form, kindsOf } from "../../scene/forms";
+import type { OpenedTree } from "../../scene/treeModel/openTree";
 import { readTreeModel } from "../../scene/treeModel/readTreeModel";
 import type { ForestClient } from "../forest/forestClient";
 import { plantedAs } from "../settings/planted";
@@ -266,7 +266,7 @@ export class Catalogue {
   }
 
   /** Reads one mesh at a time and lets frames and messages in between, so that the first tree moves at once. */
-  private readInTurn(opened: Object3D, varied: boolean): Promise<TreeModel> {
+  private readInTurn(opened: OpenedTree, varied: boolean): Promise<TreeModel> {
     const turn = this.reading.then(() => new Promise((done) => setTimeout(done)));
     const model = turn.then(() => readTreeModel(opened, varied));
     this.reading = model.catch(() => undefined);

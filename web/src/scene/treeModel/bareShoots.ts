@@ -3,6 +3,7 @@
  * side twigs is drawn in winter. Made in the browser, because they follow from the cards. Pure.
  */
 import { hashUnit } from "galewood/random";
+import { between, cross, minus, type Point, plus, pointAlong, unit } from "./points";
 
 /** Cards of four vertices: the lower edge, then the upper one. */
 export interface CardMesh {
@@ -23,8 +24,6 @@ export interface ShootMesh {
   readonly ranks: Float32Array;
 }
 
-type Point = readonly [number, number, number];
-
 const SIDE_COUNT = 3;
 const TWIG_VERTICES = SIDE_COUNT + 1;
 /** Twigs of a shoot: itself and its side twigs. */
@@ -41,52 +40,58 @@ const RANKS = [
   [0.6, 1],
 ] as const;
 
-const along = (a: Point, b: Point, t: number): Point => [
-  a[0] + t * (b[0] - a[0]),
-  a[1] + t * (b[1] - a[1]),
-  a[2] + t * (b[2] - a[2]),
-];
-const minus = (a: Point, b: Point): Point => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-const plus = (a: Point, b: Point, t: number): Point => [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]];
-const cross = (a: Point, b: Point): Point => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
-const unit = (a: Point): Point => {
-  const length = Math.hypot(...a) || 1;
-  return [a[0] / length, a[1] / length, a[2] / length];
-};
+/** The shoot that a card shows: from the middle of its lower edge towards that of its upper one, bent out of its plane. */
+export interface Shoot {
+  readonly from: Point;
+  readonly to: Point;
+  /** The sides of the card: upwards, and across. */
+  readonly axis: Point;
+  readonly across: Point;
+  /** The normal of the card. */
+  readonly out: Point;
+  readonly size: number;
+}
 
-/** Where the twigs of a card begin and end: the shoot along its middle, side twigs to the left or right. */
-function twigsOf(positions: Float32Array, first: number, card: number): { from: Point; to: Point }[] {
+const bendOf = (card: number, channel: number) => 0.35 * (hashUnit(card, channel) - 0.5);
+
+/** The shoot of the card with this number, whose vertices begin with `first`. */
+export function shootOf(positions: Float32Array, first: number, card: number): Shoot {
   const corner = (k: number): Point => [
     positions[3 * (first + k)],
     positions[3 * (first + k) + 1],
     positions[3 * (first + k) + 2],
   ];
-  const foot = along(corner(0), corner(1), 0.5);
-  const axis = minus(along(corner(3), corner(2), 0.5), foot);
+  const from = pointAlong(corner(0), corner(1), 0.5);
+  const axis = minus(pointAlong(corner(3), corner(2), 0.5), from);
   const across = minus(corner(1), corner(0));
   const out = unit(cross(across, axis));
-  const bend = (channel: number) => 0.35 * (hashUnit(card, channel) - 0.5);
   const size = Math.hypot(...axis);
-  const tip = plus(plus(foot, axis, SHOOT_LENGTH_SHARE), out, bend(21) * size);
+  const to = plus(plus(from, axis, SHOOT_LENGTH_SHARE), out, bendOf(card, 21) * size);
+  return { from, to, axis, across, out, size };
+}
+
+/** Where the twigs of a card begin and end: the shoot along its middle, side twigs to the left or right. */
+function twigsOf(shoot: Shoot, card: number, count: number): { from: Point; to: Point }[] {
+  const { from: foot, to: tip, axis, across, out, size } = shoot;
   const twigs = [{ from: foot, to: tip }];
-  for (let k = 1; k < TWIGS_PER_SHOOT; k++) {
+  for (let k = 1; k < count; k++) {
     const at = 0.2 + 0.4 * hashUnit(card, 30 + k);
     const length = SIDE_LENGTH * (1.1 - at) * (0.7 + 0.6 * hashUnit(card, 40 + k));
-    const from = along(foot, tip, at);
+    const from = pointAlong(foot, tip, at);
     const side = hashUnit(card, 70 + k) < 0.5 ? SIDE_ANGLE : -SIDE_ANGLE;
-    const to = plus(plus(plus(from, axis, length * 0.75), across, side * length), out, bend(50 + k) * size);
+    const to = plus(
+      plus(plus(from, axis, length * 0.75), across, side * length),
+      out,
+      bendOf(card, 50 + k) * size,
+    );
     twigs.push({ from, to });
   }
   return twigs;
 }
 
-/** The bare shoots in place of leaf cards. */
-export function bareShoots({ positions, first }: CardMesh): ShootMesh {
-  const twigs = first.length * TWIGS_PER_SHOOT;
+/** The bare shoots in place of leaf cards; `count`: twigs of each, the shoot itself first. */
+export function bareShoots({ positions, first }: CardMesh, count = TWIGS_PER_SHOOT): ShootMesh {
+  const twigs = first.length * count;
   const vertices = twigs * TWIG_VERTICES;
   const mesh = {
     positions: new Float32Array(3 * vertices),
@@ -98,7 +103,7 @@ export function bareShoots({ positions, first }: CardMesh): ShootMesh {
   };
   let twig = 0;
   first.forEach((vertex, card) => {
-    twigsOf(positions, vertex, card).forEach(({ from, to }, k) => {
+    twigsOf(shootOf(positions, vertex, card), card, count).forEach(({ from, to }, k) => {
       const [low, high] = RANKS[Math.min(k, 1)];
       addTwig(mesh, twig++, from, to, vertex, low + (high - low) * 0.999 * hashUnit(card, 60 + k));
     });
@@ -116,11 +121,7 @@ function addTwig(mesh: ShootMesh, twig: number, from: Point, to: Point, card: nu
   const base = twig * TWIG_VERTICES;
   for (let k = 0; k <= SIDE_COUNT; k++) {
     const angle = (2 * Math.PI * k) / SIDE_COUNT;
-    const normal = plus(
-      [Math.cos(angle) * u[0], Math.cos(angle) * u[1], Math.cos(angle) * u[2]],
-      w,
-      Math.sin(angle),
-    );
+    const normal = between(u, w, angle);
     const at = 3 * (base + k);
     mesh.positions.set(k === SIDE_COUNT ? to : plus(from, normal, RADIUS_LENGTH_RATIO * length), at);
     mesh.normals.set(k === SIDE_COUNT ? unit(direction) : normal, at);

@@ -1,20 +1,25 @@
 /** The page's reader of meshes: a normalised GLB with what it draws in addition: trees that lack limbs, bare trees, root flares. */
 
+import { hashUnit } from "galewood/random";
 import type { Components } from "galewood/trees";
 import {
   type AddedPart,
   COMMON_KEY,
   limbsOf,
+  nearRank,
   type ReadPart,
   rankedIndex,
   readParts,
   type TreeModel,
   type TreePart,
 } from "galewood/trees";
-import { BufferAttribute, BufferGeometry, type Object3D } from "three";
-import { bareShoots } from "./bareShoots";
+import { BufferAttribute, BufferGeometry, type Texture } from "three";
+import { bareShoots, type CardMesh } from "./bareShoots";
+import { leafSprays, SPRAY_VERTICES, type SprayMesh } from "./leafSprays";
 import { limbKeysOf, pieceKeys } from "./limbKeys";
 import { meanColour } from "./meanColour";
+import type { OpenedTree } from "./openTree";
+import { dot, type Point, plus, unit } from "./points";
 import { rootFlare } from "./rootFlare";
 
 /** The flare is drawn until a tree shows about this share of its pieces. */
@@ -54,37 +59,125 @@ function cardsOf({ ofVertex, count }: Components): Uint32Array {
   return first.filter((_, piece) => sizes[piece] === 4);
 }
 
-/** Shoots in place of leaf cards, in the colour of the twigs; none for trees without drawn twigs. */
-function barePartsOf(read: readonly ReadPart[]): AddedPart[] {
-  const twigs = read.find(({ geometry }) => geometry.kind === "twigs");
-  return read.flatMap(({ part, geometry }, of): AddedPart[] => {
-    if (part.kind !== "leaves" || !twigs) return [];
-    const positions = part.position.array as Float32Array;
-    const shoots = bareShoots({ positions, first: cardsOf(geometry.pieces) });
-    const vertices = shoots.card.length;
-    const piece = new Float32Array(4 * vertices);
-    const anchor = new Float32Array(4 * vertices);
-    shoots.card.forEach((v, k) => {
-      piece.set([part.piece.getX(v), part.piece.getY(v), 0, shoots.ranks[k]], 4 * k);
-      anchor.set([...shoots.bases.subarray(3 * k, 3 * k + 3), part.anchor.getW(v)], 4 * k);
-    });
-    const ranked = rankedIndex(shoots.index, (v) => shoots.ranks[v]);
-    const bare: TreePart = {
-      kind: "wood",
-      vertices,
-      material: twigs.part.material,
-      normal: new BufferAttribute(shoots.normals, 3),
-      uv: null,
-      colour: evenColour(twigs.part.colour, vertices),
-      position: new BufferAttribute(shoots.positions, 3),
-      anchor: new BufferAttribute(anchor, 4),
-      piece: new BufferAttribute(piece, 4),
-      hold: shoots.card,
-      index: new BufferAttribute(ranked.index, 1),
-      counts: ranked.counts,
-    };
-    return [{ part: bare, of }];
+/** A part made of the cards of another: what is known of each of its vertices. */
+interface OfCards {
+  readonly positions: Float32Array;
+  readonly normals: Float32Array;
+  readonly index: Uint32Array;
+  /** The card's first vertex, whose node it shares. */
+  readonly card: Uint32Array;
+  /** The point to which its twig or spray shrinks. */
+  readonly bases: Float32Array;
+}
+
+/** `rankOf`, `numberOf`: rank and random number of the piece of a vertex, which is on this card. */
+function partOfCards(
+  { part }: ReadPart,
+  { positions, normals, index, card, bases }: OfCards,
+  look: Pick<TreePart, "kind" | "material" | "uv" | "colour">,
+  rankOf: (vertex: number, card: number) => number,
+  numberOf: (vertex: number, card: number) => number = (_, v) => part.piece.getX(v),
+): TreePart {
+  const vertices = card.length;
+  const piece = new Float32Array(4 * vertices);
+  const anchor = new Float32Array(4 * vertices);
+  const ranks = new Float32Array(vertices);
+  const free = look.kind === "leaves" ? 1 : 0;
+  for (let k = 0; k < vertices; k++) {
+    const v = card[k];
+    ranks[k] = rankOf(k, v);
+    piece.set([numberOf(k, v), part.piece.getY(v), free, ranks[k]], 4 * k);
+    anchor.set([bases[3 * k], bases[3 * k + 1], bases[3 * k + 2], part.anchor.getW(v)], 4 * k);
+  }
+  const ranked = rankedIndex(index, (v) => ranks[v]);
+  return {
+    ...look,
+    vertices,
+    normal: new BufferAttribute(normals, 3),
+    position: new BufferAttribute(positions, 3),
+    anchor: new BufferAttribute(anchor, 4),
+    piece: new BufferAttribute(piece, 4),
+    hold: card,
+    index: new BufferAttribute(ranked.index, 1),
+    counts: ranked.counts,
+  };
+}
+
+const cardMesh = ({ part, geometry }: ReadPart): CardMesh => ({
+  positions: part.position.array as Float32Array,
+  first: cardsOf(geometry.pieces),
+});
+
+/** Of each part of leaves, something in the colour of the twigs; nothing for trees without drawn twigs. */
+function twiggy(
+  read: readonly ReadPart[],
+  make: (leaves: ReadPart, twigs: Pick<TreePart, "kind" | "material" | "uv">) => TreePart,
+): AddedPart[] {
+  const twigs = read.find(({ geometry }) => geometry.kind === "twigs")?.part;
+  if (!twigs) return [];
+  const { material } = twigs;
+  return read.flatMap((leaves, of): AddedPart[] => {
+    if (leaves.part.kind !== "leaves") return [];
+    const part = make(leaves, { kind: "wood", material, uv: null });
+    return [{ part: { ...part, colour: evenColour(twigs.colour, part.vertices) }, of }];
   });
+}
+
+/** Shoots in place of leaf cards. */
+const barePartsOf = (read: readonly ReadPart[]): AddedPart[] =>
+  twiggy(read, (leaves, look) => {
+    const shoots = bareShoots(cardMesh(leaves));
+    return partOfCards(leaves, shoots, { ...look, colour: null }, (k) => shoots.ranks[k]);
+  });
+
+/** Sprays in place of leaf cards, and the shoots that bear them. */
+function nearPartsOf(read: readonly ReadPart[], picture: Texture): AddedPart[] {
+  const rankOf =
+    ({ part }: ReadPart) =>
+    (_: number, card: number) =>
+      nearRank(part.piece.getW(card));
+  const stems = twiggy(read, (leaves, look) =>
+    partOfCards(leaves, bareShoots(cardMesh(leaves), 1), { ...look, colour: null }, rankOf(leaves)),
+  );
+  const sprays = read.flatMap((leaves, of): AddedPart[] => {
+    if (leaves.part.kind !== "leaves") return [];
+    const material = leaves.part.material.clone();
+    material.map = picture;
+    const mesh = leafSprays(cardMesh(leaves));
+    const { colour, normal } = leaves.part;
+    const look = { kind: "leaves", material, uv: new BufferAttribute(mesh.uvs, 2), colour: null } as const;
+    const normals = crownNormals(mesh, normal);
+    const part = partOfCards(leaves, { ...mesh, normals }, look, rankOf(leaves), sprayNumber);
+    return [{ part: { ...part, colour: colour && ofCards(colour, mesh.card) }, of }];
+  });
+  return [...stems, ...sprays];
+}
+
+const sprayNumber = (vertex: number) => hashUnit(Math.floor(vertex / SPRAY_VERTICES), 3);
+
+/** Each vertex has the value of its card. */
+function ofCards(values: BufferAttribute, card: Uint32Array): BufferAttribute {
+  const { itemSize, array } = values;
+  const own = new Float32Array(itemSize * card.length);
+  card.forEach((v, k) => {
+    for (let c = 0; c < itemSize; c++) own[itemSize * k + c] = array[itemSize * v + c];
+  });
+  return new BufferAttribute(own, itemSize);
+}
+
+/** Weight of a spray's own direction beside that of the crown at its card. */
+const OWN_NORMAL_WEIGHT = 0.5;
+
+/** Normals between those of the sprays and that of the crown, towards whose side they face. */
+function crownNormals({ normals, card }: SprayMesh, crown: BufferAttribute): Float32Array {
+  const mixed = new Float32Array(normals.length);
+  card.forEach((v, k) => {
+    const round: Point = [crown.getX(v), crown.getY(v), crown.getZ(v)];
+    const own: Point = [normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]];
+    const weight = OWN_NORMAL_WEIGHT * (dot(own, round) < 0 ? -1 : 1);
+    mixed.set(unit(plus(round, own, weight)), 3 * k);
+  });
+  return mixed;
 }
 
 /** The flare at the foot of the stem; none for trees whose stem has no round base. */
@@ -124,8 +217,11 @@ function flareOf(read: readonly ReadPart[]): AddedPart[] {
   return [{ part: added, of }];
 }
 
-/** Reads an opened GLB; throws if it contains no mesh. `varied`: a built-in tree: each instance lacks some limbs, and has a root flare. */
-export function readTreeModel(scene: Object3D, varied = false): TreeModel {
+/**
+ * Reads an opened tree; throws if it contains no mesh. `varied`: a built-in tree: each instance lacks some limbs, and has a
+ * root flare.
+ */
+export function readTreeModel({ scene, sprays }: OpenedTree, varied = false): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
   if (varied) assignKeys(read);
   let bareParts: AddedPart[] | null = null;
@@ -136,6 +232,7 @@ export function readTreeModel(scene: Object3D, varied = false): TreeModel {
       return bareParts;
     },
     added: varied ? flareOf(read) : [],
+    near: sprays ? nearPartsOf(read, sprays) : [],
     height_m,
     radius_m,
   };

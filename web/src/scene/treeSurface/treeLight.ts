@@ -37,16 +37,16 @@ varying vec4 vPiece;
 
 /**
  * The leaves of a spray move against each other: a field of displacements that differs from leaf to leaf bends its picture. It
- * vanishes at the edges of the picture and of its quarters, which hold different sprays. Largest displacement relative to the
- * side of the picture, and the wind at which it is reached, m/s.
+ * vanishes at the edges of the picture's square tiles, which lie in two rows and hold different sprays. Largest displacement
+ * relative to the height of the picture, and the wind at which it is reached, m/s.
  */
 const SPRAY_SHIFT = 0.011;
 const SPRAY_FULL_M_S = 9;
 
 const SPRAY_MOTION = /* glsl */ `
 uniform vec2 uFlutter;
-vec2 sprayShift(vec2 at, vec4 piece) {
-  vec2 q = fract(2.0 * at);
+vec2 sprayShift(vec2 at, vec4 piece, ivec2 size) {
+  vec2 q = fract(2.0 * at * vec2(size) / float(size.y));
   q *= 1.0 - q;
   float own = 6.2832 * fract(31.7 * piece.x);
   vec2 hz = vec2(2.3, 3.1) + 3.0 * fract(vec2(7.3, 11.9) * piece.x);
@@ -58,7 +58,7 @@ vec2 sprayShift(vec2 at, vec4 piece) {
 const LEAF_MAP = /* glsl */ `
 #ifdef USE_MAP
   #ifdef SPRAYS
-    vec2 leafUv = vMapUv + sprayShift(vMapUv, vPiece);
+    vec2 leafUv = vMapUv + sprayShift(vMapUv, vPiece, textureSize(map, 0));
   #else
     vec2 leafUv = vMapUv;
   #endif

@@ -51,6 +51,11 @@ export interface TreeModel {
   readonly bare: readonly AddedPart[];
   /** Drawn always. */
   readonly added: readonly AddedPart[];
+  /**
+   * Drawn of trees near the eye, which show a share of pieces above 1: what has a rank from `NEAR_RANK` on appears, and leaves
+   * disappear in the same order.
+   */
+  readonly near: readonly AddedPart[];
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
   readonly radius_m: number;
@@ -191,12 +196,12 @@ export function readParts(scene: Object3D): { read: ReadPart[]; height_m: number
 /** Reads an opened GLB: complete trees, without shoots in place of leaves. */
 export function readPlainTree(scene: Object3D): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
-  return { parts: read.map(({ part }) => part), bare: [], added: [], height_m, radius_m };
+  return { parts: read.map(({ part }) => part), bare: [], added: [], near: [], height_m, radius_m };
 }
 
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */
-export function disposeModel({ parts }: TreeModel): void {
-  for (const { material } of parts) {
+export function disposeModel({ parts, near }: TreeModel): void {
+  for (const { material } of [...parts, ...near.map(({ part }) => part)]) {
     for (const texture of [material.map, material.normalMap]) texture?.dispose();
     material.dispose();
   }

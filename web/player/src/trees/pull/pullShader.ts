@@ -9,7 +9,7 @@ export const PULL_PARS = /* glsl */ `
 uniform int uPulls;
 uniform vec4 uPullPlace[${MOST_PULLS}]; // x, z of the tree; first texel of the displacements
 uniform vec3 uPullForce[${MOST_PULLS}]; // N, in the tree's frame at scale 1
-uniform int uPullFirst; // index of this part's first vertex
+uniform int uPullFirst; // index of this part's first vertex; negative: a part that is added to those of the file
 uniform highp sampler2D uPullField; // three texels per vertex: displacement per force along x, y, z
 vec3 pullTexel(int i) {
   return texelFetch(uPullField, ivec2(i & ((1 << ${FLAT_SHIFT}) - 1), i >> ${FLAT_SHIFT}), 0).xyz;
@@ -20,7 +20,8 @@ vec3 pulledBy() {
     if (k >= uPulls) break;
     vec2 apart = abs(aPlace.xz - uPullPlace[k].xy);
     if (max(apart.x, apart.y) > 0.01) continue;
-    int i = int(uPullPlace[k].z + 0.5) + 3 * (uPullFirst + gl_VertexID);
+    int held = uPullFirst < 0 ? int(aJoint.w + 0.5) : uPullFirst + gl_VertexID;
+    int i = int(uPullPlace[k].z + 0.5) + 3 * held;
     vec3 force = uPullForce[k];
     moved += force.x * pullTexel(i) + force.y * pullTexel(i + 1) + force.z * pullTexel(i + 2);
   }

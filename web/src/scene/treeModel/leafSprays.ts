@@ -1,0 +1,132 @@
+/**
+ * The sprays of a built-in tree: near the eye, each leaf card, the picture of a whole shoot, gives way to six bent sprays along
+ * that shoot, each with a few leaves of its own. They fill the volume around the card, so that no view shows it edge-on. Made in
+ * the browser, because they follow from the cards. Pure.
+ */
+import { hashUnit } from "galewood/random";
+import { type CardMesh, type Shoot, shootOf } from "./bareShoots";
+import { between, cross, dot, minus, type Point, plus, pointAlong, unit } from "./points";
+
+export interface SprayMesh {
+  readonly positions: Float32Array;
+  readonly normals: Float32Array;
+  readonly uvs: Float32Array;
+  readonly index: Uint32Array;
+  /** Of each vertex: the card's first vertex, whose node it shares. */
+  readonly card: Uint32Array;
+  /** Of each vertex: the foot of its spray, about which it turns. */
+  readonly bases: Float32Array;
+}
+
+/** Sprays of a card: along the shoot, to both sides in turn, and the last one at its tip. */
+const FEET_SHARES = [0.03, 0.16, 0.29, 0.41, 0.5, 0.42] as const;
+export const SPRAYS_PER_CARD = FEET_SHARES.length;
+/** Length of a spray relative to the card; as in the generator, which draws its leaves in the same proportion. */
+const SPRAY_SHARE = 0.6;
+/** Angle to the shoot, and how far a spray turns out of the plane of the card and about its own axis, rad. */
+const SIDE_RAD = 0.85;
+const TIP_RAD = 0.15;
+const OUT_RAD = 1;
+const ROLL_RAD = 0.8;
+/** A spray arches: its middle rises and its tip hangs, relative to its length. */
+const ARCH_SHARE = 0.07;
+const HANG_SHARE = 0.13;
+/** Tiles of the picture. */
+const TILE_COLUMNS = 4;
+const TILE_ROWS = 2;
+/** Rows of vertices along a spray, two in each. */
+const ROW_COUNT = 3;
+export const SPRAY_VERTICES = 2 * ROW_COUNT;
+const SPRAY_INDEX = 6 * (ROW_COUNT - 1);
+/** Triangles between two rows. */
+const SQUARE_CORNERS = [0, 1, 3, 0, 3, 2] as const;
+
+interface Spray {
+  readonly foot: Point;
+  readonly axis: Point;
+  readonly facing: Point;
+  readonly length: number;
+}
+
+/** The directions of a shoot, all perpendicular to each other. */
+interface ShootFrame extends Pick<Shoot, "from" | "to" | "size"> {
+  readonly along: Point;
+  readonly right: Point;
+  readonly out: Point;
+}
+
+function frameOf({ from, to, across, size }: Shoot): ShootFrame {
+  const along = unit(minus(to, from));
+  const right = unit(plus(across, along, -dot(across, along)));
+  return { from, to, size, along, right, out: cross(right, along) };
+}
+
+/** A spray of a shoot; `number`: of all sprays. */
+function sprayOf({ from, to, size, along, right, out }: ShootFrame, k: number, number: number): Spray {
+  const random = (channel: number) => hashUnit(number, channel) - 0.5;
+  const side = between(right, out, (k % 2 ? Math.PI : 0) + 2 * OUT_RAD * random(1));
+  const last = k === SPRAYS_PER_CARD - 1;
+  const axis = between(along, side, (last ? TIP_RAD : SIDE_RAD) * (1 + 0.5 * random(2)));
+  const facing = unit(plus(out, axis, -dot(out, axis)));
+  return {
+    foot: pointAlong(from, to, FEET_SHARES[k]),
+    axis,
+    facing: between(facing, cross(axis, facing), 2 * ROLL_RAD * random(3)),
+    length: SPRAY_SHARE * size * (1 + 0.3 * random(4)),
+  };
+}
+
+function put(to: Float32Array, vertex: number, [x, y, z]: Point): void {
+  to[3 * vertex] = x;
+  to[3 * vertex + 1] = y;
+  to[3 * vertex + 2] = z;
+}
+
+function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): void {
+  const { foot, axis, facing, length } = spray;
+  const across = cross(axis, facing);
+  const tile = Math.floor(hashUnit(number, 5) * TILE_COLUMNS * TILE_ROWS);
+  const mirrored = hashUnit(number, 6) < 0.5;
+  const [column, row] = [tile % TILE_COLUMNS, Math.floor(tile / TILE_COLUMNS)];
+  const base = number * SPRAY_VERTICES;
+  for (let r = 0; r < ROW_COUNT; r++) {
+    const v = r / (ROW_COUNT - 1);
+    const arched = plus(plus(foot, axis, v * length), facing, 4 * ARCH_SHARE * v * (1 - v) * length);
+    const middle: Point = [arched[0], arched[1] - HANG_SHARE * v * v * length, arched[2]];
+    const normal = unit(plus(facing, axis, 4 * ARCH_SHARE * (2 * v - 1)));
+    for (let u = 0; u < 2; u++) {
+      const vertex = base + 2 * r + u;
+      put(mesh.positions, vertex, plus(middle, across, (u - 0.5) * length));
+      put(mesh.normals, vertex, normal);
+      put(mesh.bases, vertex, foot);
+      mesh.uvs[2 * vertex] = (column + (mirrored ? 1 - u : u)) / TILE_COLUMNS;
+      mesh.uvs[2 * vertex + 1] = (row + 1 - v) / TILE_ROWS;
+      mesh.card[vertex] = card;
+    }
+  }
+  for (let k = 0; k < SPRAY_INDEX; k++) {
+    mesh.index[number * SPRAY_INDEX + k] = base + 2 * Math.floor(k / 6) + SQUARE_CORNERS[k % 6];
+  }
+}
+
+/** The sprays in place of leaf cards. */
+export function leafSprays(cards: CardMesh): SprayMesh {
+  const sprays = cards.first.length * SPRAYS_PER_CARD;
+  const vertices = sprays * SPRAY_VERTICES;
+  const mesh: SprayMesh = {
+    positions: new Float32Array(3 * vertices),
+    normals: new Float32Array(3 * vertices),
+    uvs: new Float32Array(2 * vertices),
+    index: new Uint32Array(SPRAY_INDEX * sprays),
+    card: new Uint32Array(vertices),
+    bases: new Float32Array(3 * vertices),
+  };
+  cards.first.forEach((first, card) => {
+    const frame = frameOf(shootOf(cards.positions, first, card));
+    for (let k = 0; k < SPRAYS_PER_CARD; k++) {
+      const number = card * SPRAYS_PER_CARD + k;
+      addSpray(mesh, sprayOf(frame, k, number), number, first);
+    }
+  });
+  return mesh;
+}
