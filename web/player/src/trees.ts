@@ -16,6 +16,7 @@ export {
   setTints,
   type Tint,
 } from "./trees/instanceData";
+export { LEAN_SHADER } from "./trees/lean";
 export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
 export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
@@ -35,6 +36,6 @@ export type { MaterialMaker, PartMaterials } from "./trees/partMaterials";
 export { PULL_PARS } from "./trees/pull/pullShader";
 export { PullSlots, type ShownPull } from "./trees/pull/pullSlots";
 export { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
-export { ownRay, type PickedTree, pickTree } from "./trees/treePick";
+export { leanAt, ownRay, type PickedTree, pickTree, type UprightTrees } from "./trees/treePick";
 export { deform, type Standing, type TreeUniforms, type Variant } from "./trees/treeShader";
 export { COMMON_KEY, MISSING_BRANCH_SHARE, VARIANT_SHADER } from "./trees/variantShader";

@@ -112,9 +112,8 @@ export function placedSpecies(
     const own = placesOf(asset);
     if (single[asset.id]) own.push(single[asset.id]);
     if (!asset.model || own.length === 0) return [];
-    const instances = createInstanceData(own, groundHeight_m, (treeId) =>
-      leafTint(asset.species, treeId, season),
-    );
+    const tint = (treeId: number) => leafTint(asset.species, treeId, season);
+    const instances = createInstanceData(own, groundHeight_m, tint, asset.model.leans);
     return [{ asset, model: asset.model, motion: asset.motion, instances }];
   });
 }

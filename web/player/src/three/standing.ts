@@ -68,6 +68,7 @@ export function instancesOf(matrices: readonly Matrix4[]): InstanceData {
     data,
     placement: new Float32Array(4 * count),
     ids,
+    leans: false,
     oriented: { inverse: inverses, upright },
   };
 }

@@ -21,6 +21,8 @@ export interface InstanceData {
   readonly placement: Float32Array<ArrayBuffer>;
   /** Id of the place of each tree. */
   readonly ids: Uint32Array<ArrayBuffer>;
+  /** Whether each tree has a lean of its own (lean.ts); never of trees that stand as matrices say. */
+  readonly leans: boolean;
   /**
    * Trees that stand as matrices say: [count, 12] columns of the inverse of each, and whether all are upright. Their data are x y z texel | quaternion x y,
    * largest scale, share | quaternion z w, scales along x and z over that along y; the quaternion is multiplied by the root
@@ -42,6 +44,7 @@ export function createInstanceData(
   places: readonly Placement[],
   ground: (x: number, z: number) => number,
   tint: Tint,
+  leans = false,
 ): InstanceData {
   const data = new Float32Array(places.length * INSTANCE_FLOATS);
   const placement = new Float32Array(places.length * 4);
@@ -53,5 +56,5 @@ export function createInstanceData(
     data.set([x_m, y_m, z_m, 0, cos, sin, scale, 1, ...tint(place.id)], i * INSTANCE_FLOATS);
     placement.set([x_m, z_m, yaw_rad, scale], i * 4);
   });
-  return { count: places.length, data, placement, ids: Uint32Array.from(places, ({ id }) => id) };
+  return { count: places.length, data, placement, ids: Uint32Array.from(places, ({ id }) => id), leans };
 }

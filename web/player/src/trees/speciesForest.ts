@@ -8,6 +8,7 @@ import { DrawList, type View } from "./drawList";
 import type { FarCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
 import { jointAttribute, pivotAttribute } from "./jointAttribute";
+import { MOST_LEAN } from "./lean";
 import { LevelMeshes, type LevelPart, type LevelTexels, type ShadowOptions } from "./levelMeshes";
 import type { AddedPart, TreeModel, TreePart } from "./mesh/treeMesh";
 import { NodePass } from "./nodes/nodePass";
@@ -93,6 +94,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
       ...this.pulls?.uniforms,
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
+      uLean: { value: model.leans ? 1 : 0 },
       uFlutter: options.flutter,
       uExaggeration: options.exaggeration,
     };
@@ -178,7 +180,9 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
 
   get bounds(): Bounds {
     const { height_m, radius_m } = this.model;
-    const bounds = { height_m, radius_m, reach_m: this.exaggeration * (this.motion?.reach_m ?? 0) };
+    const lean_m = this.model.leans ? MOST_LEAN * height_m : 0;
+    const reach_m = this.exaggeration * (this.motion?.reach_m ?? 0) + lean_m;
+    const bounds = { height_m, radius_m, reach_m };
     return this.instances.oriented?.upright === false ? orientedBounds(bounds) : bounds;
   }
 

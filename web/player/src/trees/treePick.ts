@@ -5,6 +5,7 @@ import { poseNow } from "../core/motion/nodePose";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import type { Bounds } from "./culling";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
+import { leanOf } from "./lean";
 
 export interface PickGroup {
   readonly instances: InstanceData;
@@ -68,23 +69,38 @@ function candidates(groups: readonly PickGroup[], { from, to }: Ray): Candidate[
   return found.sort((a, b) => a.enters_m - b.enters_m);
 }
 
-/** The ray in the tree's frame at scale 1: origin (xyz) and direction (xyz); distances are divided by the scale. */
-export function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Float64Array {
+/** Instances that stand upright, each with its lean. */
+export type UprightTrees = Pick<InstanceData, "data" | "leans">;
+
+/** The lean of one of the trees, horizontal way (x, z) per metre of height. */
+export function leanAt({ data, leans }: UprightTrees, tree: number): readonly [number, number] {
   const at = tree * INSTANCE_FLOATS;
+  return leans ? leanOf(data[at], data[at + 2]) : [0, 0];
+}
+
+/** The ray in the tree's frame at scale 1: origin, unit direction, and the length that a metre has there. */
+export function ownRay(of: UprightTrees, tree: number, { from, to }: Ray): Float64Array {
+  const at = tree * INSTANCE_FLOATS;
+  const { data } = of;
   const scale = data[at + 6];
+  const [leanX, leanZ] = leanAt(of, tree);
   const [cos, sin] = [data[at + 4] / scale, data[at + 5] / scale];
-  const [x, y, z] = [from.x - data[at], from.y - data[at + 1], from.z - data[at + 2]];
+  const y = from.y - data[at + 1];
+  const [x, z] = [from.x - data[at] - leanX * y, from.z - data[at + 2] - leanZ * y];
+  const [alongX, alongZ] = [to.x - leanX * to.y, to.z - leanZ * to.y];
+  const length = Math.hypot(alongX, to.y, alongZ);
   return Float64Array.of(
     (cos * x - sin * z) / scale,
     y / scale,
     (sin * x + cos * z) / scale,
-    cos * to.x - sin * to.z,
-    to.y,
-    sin * to.x + cos * to.z,
+    (cos * alongX - sin * alongZ) / length,
+    to.y / length,
+    (sin * alongX + cos * alongZ) / length,
+    length / scale,
   );
 }
 
-/** The ray before a tree's matrix was applied: origin, unit direction, and the length that a metre has there. */
+/** The same of a ray before a tree's matrix was applied. */
 function rayBefore(inverse: Float32Array, tree: number, { from, to }: Ray): Float64Array {
   const m = inverse.subarray(12 * tree, 12 * tree + 12);
   const turned = (v: Ray["to"]) => [0, 1, 2].map((row) => m[row] * v.x + m[row + 3] * v.y + m[row + 6] * v.z);
@@ -97,12 +113,11 @@ function rayBefore(inverse: Float32Array, tree: number, { from, to }: Ray): Floa
 /** Distance along the ray to a tree, m. */
 function entry(group: PickGroup, tree: number, ray: Ray): number {
   const { instances, bounds, motion, jointRadius_m, poses, exaggeration } = group;
-  const scale = instances.data[tree * INSTANCE_FLOATS + 6];
   const own = instances.oriented
     ? rayBefore(instances.oriented.inverse, tree, ray)
-    : ownRay(instances.data, tree, ray);
-  const [ox, oy, oz, dx, dy, dz, length = 1 / scale] = own;
-  if (!motion) return crownEntry(bounds, ox, oy, oz, dx, dy, dz) * scale;
+    : ownRay(instances, tree, ray);
+  const [ox, oy, oz, dx, dy, dz, length] = own;
+  if (!motion) return crownEntry(bounds, ox, oy, oz, dx, dy, dz) / length;
   let nearest = Number.POSITIVE_INFINITY;
   const { jointRest_m: rest_m } = motion;
   const { jointMoved: moved } = poseNow(motion, poses, tree * motion.stride, exaggeration);

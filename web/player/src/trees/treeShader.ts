@@ -4,6 +4,7 @@ import { MOST_LEAF_GROWTH, SHRINK_RANK_WIDTH } from "../core/constants";
 import { MOST_SHARE, NEAR_RANK } from "./detail";
 import { WHOLE_SHARE } from "./jointAttribute";
 import { LEAF_FLUTTER } from "./leafFlutter";
+import { LEAN_SHADER } from "./lean";
 import type { Part } from "./mesh/treeMesh";
 import { NODE_TEXEL, TURN_BY } from "./nodes/nodeTexel";
 import type { PullUniforms } from "./pull/pullSlots";
@@ -15,6 +16,8 @@ export interface TreeUniforms extends Partial<PullUniforms> {
   uNodeShift: { value: number };
   /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
+  /** 1 for trees that stand upright and have a lean of their own, else 0. */
+  uLean: { value: number };
   /** Factor of the displacements; those in the target of pass 1 already have it. */
   uExaggeration: { value: number };
 }
@@ -59,7 +62,7 @@ float pieceSize(float rank) {
 }
 ${VARIANT_SHADER}${LEAF_FLUTTER}`;
 
-/** How trees stand: upright, turned about the vertical and of one scale, or as any matrix without shear says. */
+/** How trees stand: upright with a lean of their own, turned about the vertical and of one scale; or as any matrix without shear says. */
 export type Standing = "upright" | "oriented";
 
 /**
@@ -69,10 +72,16 @@ export type Standing = "upright" | "oriented";
  */
 const STANDING_GLSL: Record<Standing, string> = {
   upright: /* glsl */ `
-vec3 stood(vec3 v) {
+uniform float uLean;
+${LEAN_SHADER}
+vec3 stoodNormal(vec3 v) {
   return vec3(aTurn.x * v.x + aTurn.y * v.z, aTurn.z * v.y, aTurn.x * v.z - aTurn.y * v.x);
 }
-#define stoodNormal stood
+vec3 stood(vec3 v) {
+  vec3 upright = stoodNormal(v);
+  upright.xz += uLean * upright.y * leanOf(aPlace.xz);
+  return upright;
+}
 `,
   oriented: /* glsl */ `
 vec3 spun(vec3 v) {

@@ -2,7 +2,7 @@
 
 import type { TableMotion } from "galewood/client";
 import { NodePose } from "galewood/motion";
-import { INSTANCE_FLOATS } from "galewood/trees";
+import { INSTANCE_FLOATS, leanAt, type UprightTrees } from "galewood/trees";
 import { Group } from "three";
 import { exaggeration } from "../../scene/exaggeration";
 import type { Frame } from "../forest/frameLoop";
@@ -33,7 +33,7 @@ export class TreeOverlays {
       this.mode += step;
     },
   });
-  private readonly frame = new Group();
+  private readonly frame = Object.assign(new Group(), { matrixAutoUpdate: false });
   private kind: OverlayKind = "none";
   private mode = 0;
   private drawing: Drawing | null = null;
@@ -75,19 +75,24 @@ export class TreeOverlays {
     }
     const { motion, instances } = group;
     const { tree } = at;
-    this.stand(instances.data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS));
+    this.stand(instances, tree);
     this.prepare(selected.treeId, motion);
     if (!this.drawing || !this.pose) return;
     const { moved, jointMoved } = this.pose.take(poses, tree * motion.stride, exaggeration.value);
     this.drawing.update({ moved, jointMoved, time_s: client.time_s, step_s: played_s });
   }
 
-  /** Places the drawing where the tree stands: x, y, z, texel, scale·cos(yaw), scale·sin(yaw), scale. */
-  private stand(data: Float32Array): void {
-    const [x, y, z, , cosine, sine, scale] = data;
+  /** Places the drawing where and as the tree stands. */
+  private stand(instances: UprightTrees, tree: number): void {
+    const [x, y, z, , cosine, sine, scale] = instances.data.subarray(tree * INSTANCE_FLOATS);
     this.frame.position.set(x, y, z);
     this.frame.rotation.y = Math.atan2(sine, cosine);
     this.frame.scale.setScalar(scale);
+    this.frame.updateMatrix();
+    const [leanX, leanZ] = leanAt(instances, tree);
+    this.frame.matrix.elements[4] = leanX * scale; // the column of the tree's vertical
+    this.frame.matrix.elements[6] = leanZ * scale;
+    this.frame.matrixWorldNeedsUpdate = true;
   }
 
   /** Where the wind blows now, in the frame of the tree. */

@@ -2,8 +2,8 @@
 
 import type { TableMotion } from "galewood/client";
 import { poseNow } from "galewood/motion";
-import type { Ray, TreePart } from "galewood/trees";
-import { INSTANCE_FLOATS, ownRay } from "galewood/trees";
+import type { Ray, TreePart, UprightTrees } from "galewood/trees";
+import { INSTANCE_FLOATS, leanAt, ownRay } from "galewood/trees";
 
 export type Vector = [number, number, number];
 
@@ -11,8 +11,7 @@ export type Vector = [number, number, number];
 export interface GrabbedTree {
   readonly parts: readonly TreePart[];
   readonly motion: TableMotion;
-  /** Rows of INSTANCE_FLOATS. */
-  readonly data: Float32Array;
+  readonly instances: UprightTrees;
   readonly poses: Float32Array | null;
   readonly tree: number;
   readonly leafless: boolean;
@@ -41,7 +40,7 @@ export function restOf(parts: readonly TreePart[], vertex: number): Vector {
 /** The vertex nearest to a ray within `slope` (radians) of it; null if there is none. */
 export function grabbedVertex(of: GrabbedTree, ray: Ray, slope: number): number | null {
   const { parts, motion, poses, tree } = of;
-  const [ox, oy, oz, dx, dy, dz] = ownRay(of.data, tree, ray);
+  const [ox, oy, oz, dx, dy, dz] = ownRay(of.instances, tree, ray);
   const pose = poseNow(motion, poses, tree * motion.stride, of.exaggeration ?? 1);
   const place = new Float64Array(3);
   let best: number | null = null;
@@ -87,17 +86,27 @@ export function vertexAt(
 }
 
 /** A place in the tree's frame, in the world. */
-export function toWorld(data: Float32Array, tree: number, [x, y, z]: Vector): Vector {
+export function toWorld(of: UprightTrees, tree: number, [x, y, z]: Vector): Vector {
   const at = tree * INSTANCE_FLOATS;
+  const { data } = of;
   const [cos, sin, scale] = [data[at + 4], data[at + 5], data[at + 6]];
-  return [data[at] + cos * x + sin * z, data[at + 1] + scale * y, data[at + 2] + cos * z - sin * x];
+  const [leanX, leanZ] = leanAt(of, tree);
+  const up = scale * y;
+  return [
+    data[at] + cos * x + sin * z + leanX * up,
+    data[at + 1] + up,
+    data[at + 2] + cos * z - sin * x + leanZ * up,
+  ];
 }
 
 /** A place in the world, in the tree's frame. */
-export function toTree(data: Float32Array, tree: number, [wx, wy, wz]: Vector): Vector {
+export function toTree(of: UprightTrees, tree: number, [wx, wy, wz]: Vector): Vector {
   const at = tree * INSTANCE_FLOATS;
+  const { data } = of;
   const [cos, sin, scale] = [data[at + 4], data[at + 5], data[at + 6]];
-  const [x, y, z] = [wx - data[at], wy - data[at + 1], wz - data[at + 2]];
+  const [leanX, leanZ] = leanAt(of, tree);
+  const y = wy - data[at + 1];
+  const [x, z] = [wx - data[at] - leanX * y, wz - data[at + 2] - leanZ * y];
   const square = scale * scale;
   return [(cos * x - sin * z) / square, y / scale, (sin * x + cos * z) / square];
 }

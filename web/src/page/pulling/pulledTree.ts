@@ -54,7 +54,7 @@ export class HeldTree {
     const { all } = displacementOf(this.drawn(tree), vertex, pull && { field, force_N: pull.force_N });
     const rest = restOf(tree.parts, vertex);
     const own: Vector = [rest[0] + all[0], rest[1] + all[1], rest[2] + all[2]];
-    return new Vector3(...toWorld(tree.data, tree.tree, own));
+    return new Vector3(...toWorld(tree.instances, tree.tree, own));
   }
 
   private drawn(tree: GrabbedTree): GrabbedTree {
@@ -65,14 +65,14 @@ export class HeldTree {
   get force_N(): number {
     const { tree, pull } = this;
     if (!tree || !pull) return 0;
-    return Math.hypot(...pull.force_N) * tree.data[tree.tree * INSTANCE_FLOATS + 6] ** 2;
+    return Math.hypot(...pull.force_N) * tree.instances.data[tree.tree * INSTANCE_FLOATS + 6] ** 2;
   }
 
   /** Moves the held point to a place in the world. */
   pullTo(target: Vector3): void {
     const { tree, place } = this;
     if (!tree || !place) return;
-    const wanted = toTree(tree.data, tree.tree, [target.x, target.y, target.z]);
+    const wanted = toTree(tree.instances, tree.tree, [target.x, target.y, target.z]);
     const rest = restOf(tree.parts, this.grip.vertex);
     const { value } = exaggeration; // the hand follows what is drawn
     const { swung } = displacementOf(this.drawn(tree), this.grip.vertex, null);
@@ -107,7 +107,7 @@ export function grabbedTree({ forest, client }: World, at: TreeAt): GrabbedTree 
   return {
     parts: model.parts,
     motion,
-    data: instances.data,
+    instances,
     poses,
     tree: at.tree,
     leafless: forest.isLeafless,

@@ -47,6 +47,7 @@ function uniformsOf(
     uColour: { value: colour.texture },
     uSurface: { value: surface.texture },
     uBoxM: { value: new Vector3(box.across_m, box.up_m, box.middle_m) },
+    uLean: { value: model.leans ? 1 : 0 },
     uTree: { value: new Vector3(box.reach, box.height_m, middle) },
     uCrowded: { value: crowded },
     uLeafMap: { value: map },

@@ -1,6 +1,6 @@
 /** Shader code of impostors: a card that faces the eye, bends with its tree and is lit like it. */
 
-import { NODE_TEXEL } from "galewood/trees";
+import { LEAN_SHADER, NODE_TEXEL } from "galewood/trees";
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
 import { CROWN_LIGHT } from "../treeSurface/treeLight";
 import { COLOUR_SIDE } from "./baking/atlasLayout";
@@ -17,6 +17,7 @@ attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, random number
 attribute vec4 aTint;  // colour; weight relative to the texture colour
 attribute vec4 aBend;  // texels of the middle and the tip; or displacement x, z of the tip before and after, m
 uniform vec3 uBoxM;    // metres per unit across and up, height of the centre
+uniform float uLean;   // 1: trees have a lean of their own
 uniform vec3 uTree;    // reach in units, height in m, height of the middle node relative to it
 uniform float uShare;
 uniform float uExaggeration;
@@ -32,8 +33,8 @@ ${FLAT_VARYINGS}
 varying vec3 vCard;
 varying vec3 vRay;
 varying float vHeight;
-${OCTAHEDRAL_GLSL}
-/** From the world to the tree's own frame, scale 1, and back. */
+${OCTAHEDRAL_GLSL}${LEAN_SHADER}
+/** From the world to the tree's own frame, scale 1, and back, without its lean. */
 vec3 inTree(vec3 world) {
   return vec3(aTurn.x * world.x - aTurn.y * world.z, aTurn.z * world.y, aTurn.y * world.x + aTurn.x * world.z)
     / (aTurn.z * aTurn.z);
@@ -87,6 +88,7 @@ vHeight = local.y / uTree.y;
   local += uExaggeration * bendAt(vHeight);
 #endif
 vec3 transformed = aPlace.xyz + inWorld(local);
+transformed.xz += uLean * aTurn.z * local.y * leanOf(aPlace.xz);
 vCard = card;
 vRay = card - eye;
 vCorner = cornerOf(towards);

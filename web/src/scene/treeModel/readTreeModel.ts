@@ -218,8 +218,8 @@ function flareOf(read: readonly ReadPart[]): AddedPart[] {
 }
 
 /**
- * Reads an opened tree; throws if it contains no mesh. `varied`: a built-in tree: each instance lacks some limbs, and has a
- * root flare.
+ * Reads an opened tree; throws if it contains no mesh. `varied`: a built-in tree: each instance lacks some limbs, leans, and has
+ * a root flare.
  */
 export function readTreeModel({ scene, sprays }: OpenedTree, varied = false): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
@@ -233,6 +233,7 @@ export function readTreeModel({ scene, sprays }: OpenedTree, varied = false): Tr
     },
     added: varied ? flareOf(read) : [],
     near: sprays ? nearPartsOf(read, sprays) : [],
+    leans: varied,
     height_m,
     radius_m,
   };

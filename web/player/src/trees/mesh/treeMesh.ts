@@ -56,6 +56,8 @@ export interface TreeModel {
    * disappear in the same order.
    */
   readonly near: readonly AddedPart[];
+  /** Whether each tree has a lean of its own (lean.ts). */
+  readonly leans: boolean;
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
   readonly radius_m: number;
@@ -196,7 +198,15 @@ export function readParts(scene: Object3D): { read: ReadPart[]; height_m: number
 /** Reads an opened GLB: complete trees, without shoots in place of leaves. */
 export function readPlainTree(scene: Object3D): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
-  return { parts: read.map(({ part }) => part), bare: [], added: [], near: [], height_m, radius_m };
+  return {
+    parts: read.map(({ part }) => part),
+    bare: [],
+    added: [],
+    near: [],
+    leans: false,
+    height_m,
+    radius_m,
+  };
 }
 
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */
