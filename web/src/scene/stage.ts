@@ -12,6 +12,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { AmbientOcclusion } from "./ambientOcclusion";
 import { Backdrop } from "./background/backdrop";
 import type { Planted } from "./background/farWood";
 import { EDGE_VIEW } from "./camera/viewpoints";
@@ -64,6 +65,8 @@ export class Stage {
   private readonly seen = new Matrix4();
   private readonly observer: ResizeObserver;
   private quality: Quality;
+  /** At high quality only. */
+  private occlusion: AmbientOcclusion | null = null;
   private sheltering: Crowns = new Float32Array(0);
   private season: Season = "autumn";
 
@@ -81,6 +84,7 @@ export class Stage {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.info.autoReset = false;
+    this.occlude(quality);
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
     this.lighting = new Lighting(this.sky, this.daylight);
@@ -128,6 +132,11 @@ export class Stage {
     // On a portrait screen, keep the horizontal field of view of a square one.
     this.camera.fov = this.camera.aspect < 1 ? 58 : 46;
     this.camera.updateProjectionMatrix();
+  }
+
+  private occlude(quality: Quality): void {
+    this.occlusion?.dispose();
+    this.occlusion = quality === "high" ? new AmbientOcclusion(this.renderer, this.scene, this.camera) : null;
   }
 
   /** Sets sky, light and ground for a season and time of day. */
@@ -186,6 +195,7 @@ export class Stage {
     this.snow.setQuality(quality);
     this.daylight.setQuality(quality);
     this.backdrop.setQuality(quality);
+    this.occlude(quality);
     this.resize();
   }
 
@@ -224,7 +234,8 @@ export class Stage {
   render(dt_s = 0): void {
     this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
-    this.renderer.render(this.scene, this.camera);
+    if (this.occlusion) this.occlusion.render();
+    else this.renderer.render(this.scene, this.camera);
   }
 
   dispose(): void {
@@ -241,6 +252,7 @@ export class Stage {
     this.backdrop.dispose();
     this.pictures.dispose();
     this.daylight.dispose();
+    this.occlusion?.dispose();
     this.renderer.dispose();
   }
 }

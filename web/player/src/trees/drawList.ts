@@ -22,7 +22,7 @@ export interface View {
   readonly cardsFrom_m?: number;
 }
 
-/** Distance bins: trees are drawn near to far, so that hidden fragments are not shaded. */
+/** Distance bins: trees are drawn near to far, so that hidden fragments are not shaded; the first has those that show near parts. */
 const DISTANCE_BINS = 16;
 const BIN_M = 12;
 const CLASS_COUNT = 2 * LEVEL_COUNT * DISTANCE_BINS;
@@ -35,7 +35,10 @@ const LEAST_SHOWN = 1e-3;
 /** Below this elevation of the sun, shadows do not get longer. */
 const LOWEST_SUN = 0.15;
 
-/** Per level, the trees `order[start ...]`: first `visible` ones near to far, then `hidden` ones that only cast. */
+/**
+ * Per level, the trees `order[start ...]`: first `visible` ones near to far, those that show near parts before all others, then
+ * `hidden` ones that only cast.
+ */
 export class DrawList {
   readonly order: Uint32Array;
   readonly start = new Uint32Array(LEVEL_COUNT);
@@ -97,7 +100,8 @@ export class DrawList {
       return;
     }
     const pieces = this.detail(tree, distance_m / scale, seen, view);
-    const bin = Math.min(DISTANCE_BINS - 1, Math.floor(distance_m / BIN_M));
+    const near = this.share[tree] > 1;
+    const bin = near ? 0 : Math.min(DISTANCE_BINS - 1, 1 + Math.floor(distance_m / BIN_M));
     this.classes[tree] = (2 * this.level[tree] + (seen && pieces > 0 ? 0 : 1)) * DISTANCE_BINS + bin;
   }
 

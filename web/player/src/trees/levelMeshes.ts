@@ -80,7 +80,7 @@ export class LevelMeshes {
   private readonly casting: InstancedInterleavedBuffer;
   private readonly meshes: LevelMesh[] = [];
   private visible = 0;
-  /** Number of the visible trees, from the nearest on, among which are all that show near parts. */
+  /** Number of those that show near parts, which come first. */
   private near = 0;
   private casters = 0;
   private castersWithin: (distance_m: number) => number = () => 0;
@@ -144,8 +144,8 @@ export class LevelMeshes {
     const start = list.start[level];
     this.visible = Math.min(list.visible[level], texels.trees);
     this.copy(this.seen, data, list, texels, this.visible, list.share, (i) => start + i);
-    this.near = this.visible;
-    while (this.near > 0 && list.share[list.order[start + this.near - 1]] <= 1) this.near--;
+    this.near = 0;
+    while (this.near < this.visible && list.share[list.order[start + this.near]] > 1) this.near++;
     const castStart = list.castStart[level];
     this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
     this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
