@@ -58,6 +58,27 @@ test.describe("pictures", () => {
     expect(mean).toBeLessThan(130);
   });
 
+  test("at high quality the light of the sky is occluded among trees, and the sky itself is not", { tag: "@long" }, async ({ page }) => {
+    const shown = async (quality: string) => {
+      await open(page, still.replace("quality=low", `quality=${quality}`));
+      await forest(page);
+      await frames(page, 3);
+      return picture(page);
+    };
+    const [medium, high] = [await shown("medium"), await shown("high")];
+    const light = ({ data }: Picture) => data.reduce((sum, value, i) => sum + (i % 4 < 3 ? value : 0), 0) / (0.75 * data.length);
+    console.log(`mean light: medium ${light(medium).toFixed(1)}, high ${light(high).toFixed(1)} of 255`);
+    expect(light(high)).toBeLessThan(light(medium));
+    expect(light(high)).toBeGreaterThan(0.7 * light(medium));
+    // The corner of the sky that no tree reaches.
+    for (let y = 0; y < 8; y++) {
+      for (let i = 4 * y * high.width; i < 4 * (y * high.width + 8); i++) {
+        const before = medium.data[4 * y * medium.width + (i - 4 * y * high.width)];
+        expect(Math.abs(high.data[i] - before)).toBeLessThan(8);
+      }
+    }
+  });
+
   test("a shared link restores the picture", async ({ page, context }) => {
     await page.setViewportSize({ width: 480, height: 270 });
     await context.grantPermissions(["clipboard-read", "clipboard-write"]);

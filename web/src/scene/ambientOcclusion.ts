@@ -28,7 +28,7 @@ const RESOLUTION_SHARE = 0.5;
 /** It fades out between these distances (m), where haze is in front of it and a metre is a few pixels. */
 const FADE_M = [45, 110] as const;
 /** Share of the light that it takes where nothing of the sky is seen: some of it comes from the sun. */
-const STRENGTH = 0.75;
+const OCCLUSION_STRENGTH = 0.65;
 
 const VERTEX_SHADER = /* glsl */ `
 varying vec2 vUv;
@@ -49,7 +49,7 @@ varying vec2 vUv;
 void main() {
   gl_FragColor = vec4(texture2D(uPicture, vUv).rgb, 1.0);
   float far_m = -perspectiveDepthToViewZ(texture2D(uDepth, vUv).r, uRange.x, uRange.y);
-  float near = ${STRENGTH} * (1.0 - smoothstep(${FADE_M[0].toFixed(1)}, ${FADE_M[1].toFixed(1)}, far_m));
+  float near = ${OCCLUSION_STRENGTH} * (1.0 - smoothstep(${FADE_M[0].toFixed(1)}, ${FADE_M[1].toFixed(1)}, far_m));
   gl_FragColor.rgb *= mix(1.0, texture2D(uOcclusion, vUv).r, near);
   #include <tonemapping_fragment>
   #include <colorspace_fragment>
