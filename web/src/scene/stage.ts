@@ -35,11 +35,11 @@ import { Sky } from "./sky/sky";
 import { Pictures } from "./textures/pictures";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
-const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
+const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [22, 58], high: [48, 112] };
 /** Distance (m) below which leaf cards give way to sprays; the lowest quality has none. */
 const SPRAYS_M: Record<Quality, number> = { low: 0, medium: 15, high: 24 };
 /** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
-const BARE_DETAIL: Record<Quality, number> = { low: 4, medium: 1.5, high: 0.95 };
+const BARE_DETAIL: Record<Quality, number> = { low: 4, medium: 1, high: 0.95 };
 /** How far the view may be turned up, as the angle of the camera from above its target: crowns are seen from below. */
 const MAX_POLAR_RAD = 0.75 * Math.PI;
 
