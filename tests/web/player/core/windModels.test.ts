@@ -1,8 +1,11 @@
-import { describe, expect, test } from "vitest";
-import { parseWind, type WindDocument } from "../../../../web/player/src/core/wind/document";
+import { describe, expect, test, vi } from "vitest";
+import { EDDY_EPOCH, EDDY_STEPS_PER_SCALE } from "../../../../web/player/src/core/constants";
+import { parseWind, resolveWind, type WindDocument } from "../../../../web/player/src/core/wind/document";
 import { WindField } from "../../../../web/player/src/core/wind/field";
 import { changeWind, finalWind, parseState, steady, withFront } from "../../../../web/player/src/core/wind/transition";
+import { EddyGusts } from "../../../../web/player/src/core/wind/models/eddyGusts";
 import { Eddies } from "../../../../web/player/src/core/wind/models/navierStokes";
+import { PRESETS } from "../../../../web/player/src/core/wind/presets";
 import { goldenJson } from "../../golden";
 
 interface Golden {
@@ -91,8 +94,28 @@ test("the eddies are bit-identical", () => {
   for (const { steps, cells } of golden.eddies) {
     while (eddies.steps < steps) eddies.finish();
     const at = [0, 77, 8000, 16383];
-    expect([...at.map((i) => eddies.u[i]), ...at.map((i) => eddies.v[i])]).toEqual(cells);
+    expect([...at.map((i) => eddies.past(0).u[i]), ...at.map((i) => eddies.past(0).v[i])]).toEqual(cells);
   }
+});
+
+test("eddies asked alternately for the present and a moment ahead are the same, and no step is computed twice", () => {
+  const finish = vi.spyOn(Eddies.prototype, "finish");
+  const wind = resolveWind(PRESETS["storm-front"]);
+  const [x, z] = [Float64Array.of(3, 900, -40), Float64Array.of(-7, 20, 500)];
+  const at = (gusts: EddyGusts, steps: number) => {
+    const [outX, outZ] = [new Float64Array(3), new Float64Array(3)];
+    gusts.velocity(wind, steps / EDDY_STEPS_PER_SCALE, x, z, outX, outZ);
+    return [...outX, ...outZ];
+  };
+  const [both, present, ahead] = [new EddyGusts(3), new EddyGusts(3), new EddyGusts(3)];
+  const moments = Array.from({ length: 60 }, (_, k) => EDDY_EPOCH - 1.5 + 0.05 * k);
+  const alternately = moments.map((steps) => [at(both, steps), at(both, steps + 0.3)]);
+  const computed = finish.mock.calls.length;
+  const alone = moments.map((steps) => [at(present, steps), at(ahead, steps + 0.3)]);
+  expect(alternately).toEqual(alone);
+  // the run of the first epoch up to its end, and of the next one from there
+  expect(computed).toBeLessThanOrEqual(EDDY_EPOCH + 2 * 3 + 1);
+  finish.mockRestore();
 });
 
 describe("rejects with the same path and message as Python", () => {

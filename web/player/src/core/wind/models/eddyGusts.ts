@@ -13,7 +13,7 @@ import {
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
 import { hash32 } from "../hashing";
-import { Eddies, SLICE_COUNT } from "./navierStokes";
+import { Eddies, PAST_STEPS, SLICE_COUNT } from "./navierStokes";
 import { type Picture, samplePicture } from "./texture";
 
 /** The solver run of one epoch. */
@@ -27,16 +27,22 @@ class Run {
     this.eddies = new Eddies(hash32(seed, epoch));
   }
 
-  /** Whether the interval between this step and the next can still be reached: a run only goes forward. */
+  /**
+   * Whether the interval between this step and the next can still be reached: a run only goes forward, but keeps an interval
+   * more, because distant trees are stepped ahead of the others.
+   */
   canReach(step: number): boolean {
-    return this.eddies.steps <= step + 1;
+    return this.eddies.steps <= step + PAST_STEPS;
   }
 
   /** Adds the weighted velocity at fraction t between a step and the next, and prepares the following step. */
   add(step: number, t: number, weight: number, picture: Picture): void {
     while (this.eddies.steps <= step) this.eddies.finish();
-    this.eddies.prepare(Math.ceil(t * SLICE_COUNT));
-    const { beforeU, beforeV, u, v } = this.eddies;
+    const { eddies } = this;
+    const ago = eddies.steps - step - 1;
+    if (ago === 0) eddies.prepare(Math.ceil(t * SLICE_COUNT));
+    const { u, v } = eddies.past(ago);
+    const { u: beforeU, v: beforeV } = eddies.past(ago + 1);
     for (let i = 0; i < u.length; i++) {
       picture.along[i] += weight * ((1 - t) * beforeU[i] + t * u[i]);
       picture.across[i] += weight * ((1 - t) * beforeV[i] + t * v[i]);
@@ -75,8 +81,9 @@ export class EddyGusts implements Gusts {
     const fade = epoch <= 0 ? 1 : Math.min(1, (moment - epoch * EDDY_EPOCH) / EDDY_OVERLAP);
     this.picture.along.fill(0);
     this.picture.across.fill(0);
-    if (this.runs.some((run) => run.epoch < epoch - 1 || run.epoch > epoch)) {
-      this.runs = this.runs.filter((run) => run.epoch === epoch || run.epoch === epoch - 1);
+    // The next epoch's run may have begun for a later moment.
+    if (this.runs.some((run) => Math.abs(run.epoch - epoch) > 1)) {
+      this.runs = this.runs.filter((run) => Math.abs(run.epoch - epoch) <= 1);
     }
     if (fade < 1) this.add(epoch - 1, step, moment - step, Math.sqrt(1 - fade));
     this.add(epoch, step, moment - step, Math.sqrt(fade));

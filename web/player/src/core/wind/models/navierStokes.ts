@@ -18,6 +18,8 @@ import { hash32, signedUniform } from "../hashing";
 import { rootsOfUnity, transformColumns, transformRows } from "./fourier";
 
 export const SLICE_COUNT = 6;
+/** Steps before the last one whose velocity is kept. */
+export const PAST_STEPS = 2;
 const CELL_COUNT = EDDY_GRID * EDDY_GRID;
 const GRID_MASK = EDDY_GRID - 1;
 const HALF_GRID = EDDY_GRID / 2;
@@ -28,28 +30,30 @@ const signed = (n: number): number => (n < HALF_GRID ? n : n - EDDY_GRID);
 /** One run of the solver from a seeded start. */
 export class Eddies {
   steps = 0;
-  /** Velocity (x, y) after `steps` steps, in standard deviations. */
-  u = new Float64Array(CELL_COUNT);
-  v = new Float64Array(CELL_COUNT);
-  /** Velocity of the previous step. */
-  beforeU = new Float64Array(CELL_COUNT);
-  beforeV = new Float64Array(CELL_COUNT);
-  private nextU = new Float64Array(CELL_COUNT);
-  private nextV = new Float64Array(CELL_COUNT);
+  /** The velocity that is being prepared, and those of the last steps, the newest first. */
+  private readonly fields = Array.from({ length: 2 + PAST_STEPS }, () => ({
+    u: new Float64Array(CELL_COUNT),
+    v: new Float64Array(CELL_COUNT),
+  }));
   private slice = 0;
 
   constructor(private readonly seed: number) {
-    start(this.nextU, this.nextV, seed);
+    const [{ u, v }] = this.fields;
+    start(u, v, seed);
     this.correct(0);
-    transformColumns(this.nextU, this.nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
-    transformRows(this.nextU, this.nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
-    this.u.set(this.nextU);
-    this.v.set(this.nextV);
+    transformColumns(u, v, EDDY_GRID, EDDY_GRID, ROOTS, 1);
+    transformRows(u, v, EDDY_GRID, EDDY_GRID, ROOTS, 1);
+    this.turn();
   }
 
-  /** Number of completed steps, plus the prepared fraction of the next one. */
-  get progress(): number {
-    return this.steps + this.slice / SLICE_COUNT;
+  /** Velocity (x, y) in standard deviations, this many of up to PAST_STEPS steps before the last one. */
+  past(steps: number): { readonly u: Float64Array; readonly v: Float64Array } {
+    return this.fields[1 + steps];
+  }
+
+  /** Makes what was prepared the newest velocity. */
+  private turn(): void {
+    this.fields.unshift(...this.fields.splice(-1));
   }
 
   /** Prepares the next step up to the given slice; the velocity changes only in `finish`. */
@@ -62,23 +66,23 @@ export class Eddies {
     this.prepare(SLICE_COUNT);
     this.slice = 0;
     this.steps++;
-    [this.beforeU, this.u, this.nextU] = [this.u, this.nextU, this.beforeU];
-    [this.beforeV, this.v, this.nextV] = [this.v, this.nextV, this.beforeV];
+    this.turn();
   }
 
   private work(slice: number): void {
-    const { nextU, nextV } = this;
-    if (slice === 0) advect(this.u, this.v, nextU, nextV);
-    else if (slice === 1) transformRows(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, -1);
-    else if (slice === 2) transformColumns(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, -1);
+    const [{ u, v }, now] = this.fields;
+    if (slice === 0) advect(now.u, now.v, u, v);
+    else if (slice === 1) transformRows(u, v, EDDY_GRID, EDDY_GRID, ROOTS, -1);
+    else if (slice === 2) transformColumns(u, v, EDDY_GRID, EDDY_GRID, ROOTS, -1);
     else if (slice === 3) this.correct(EDDY_KICK);
-    else if (slice === 4) transformColumns(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
-    else transformRows(nextU, nextV, EDDY_GRID, EDDY_GRID, ROOTS, 1);
+    else if (slice === 4) transformColumns(u, v, EDDY_GRID, EDDY_GRID, ROOTS, 1);
+    else transformRows(u, v, EDDY_GRID, EDDY_GRID, ROOTS, 1);
   }
 
   private correct(kick: number): void {
     const done = kick > 0 ? this.steps + 1 : 0;
-    project(this.nextU, this.nextV, kick, hash32(this.seed, 7919 + done));
+    const [{ u, v }] = this.fields;
+    project(u, v, kick, hash32(this.seed, 7919 + done));
   }
 }
 
