@@ -90,6 +90,23 @@ describe("the socket", () => {
     expect(Line.made.length).toBe(11);
   });
 
+  test("counts a refused request as lost, so that the local tables move the trees, but no later error", () => {
+    const problem = vi.fn();
+    const socket = new ForestSocket("ws://here", { ...handlers, problem });
+    const line = Line.last;
+    const refusal = { type: "error", code: "too-many-trees", title: "A forest may have up to 20000 trees", hint: "" } as const;
+    const refuse = () => line.onmessage?.({ data: encodeReply(refusal).buffer });
+    refuse();
+    expect(socket.lost).toBe(true);
+    expect(problem).toHaveBeenCalledWith(refusal.title, "");
+    line.onmessage?.({ data: encodeReply({ type: "pong", t: 0, server_s: 0 }).buffer });
+    expect(socket.lost).toBe(true);
+    socket.arrived();
+    refuse();
+    expect(socket.lost).toBe(false);
+    socket.dispose();
+  });
+
   test("gives up a connection that is not established within 10 s", () => {
     const socket = new ForestSocket("ws://here", handlers);
     vi.advanceTimersByTime(12_000);

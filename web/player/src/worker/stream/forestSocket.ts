@@ -21,7 +21,7 @@ const DEAD_AT_FIRST_MS = 20_000;
 const CONNECTED_WITHIN_MS = 10_000;
 
 export class ForestSocket {
-  /** True after the connection was lost, until the next message. */
+  /** True after the connection was lost or the request refused, until the requested data arrive. */
   lost = false;
   latency_ms: number | null = null;
   kB_s = 0;
@@ -130,8 +130,11 @@ export class ForestSocket {
     if (reply.type === "pong") {
       this.latency_ms = performance.now() - reply.t;
       this.clock.pong(reply.t, performance.now(), reply.server_s);
-    } else if (reply.type === "error") this.handlers.problem(reply.title, reply.hint);
-    else this.handlers.reply(reply);
+    } else if (reply.type === "error") {
+      // The request was refused, for example because the forest has too many trees: nothing will arrive.
+      if (!this.answered) this.lost = true;
+      this.handlers.problem(reply.title, reply.hint);
+    } else this.handlers.reply(reply);
   }
 
   dispose(): void {
