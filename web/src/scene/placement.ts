@@ -26,18 +26,36 @@ export const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
 export const reach_m = ({ x_m, z_m }: Pick<Placement, "x_m" | "z_m">) =>
   Math.hypot(x_m - FOREST_CENTRE.x_m, z_m - FOREST_CENTRE.z_m);
 
-/** The `count` places nearest to the centre of the forest, nearest first; `density` is relative to the default. */
-export function placeTrees(count: number, seed: number, density = 1): Placement[] {
+let placed: { readonly key: string; readonly places: readonly Placement[] } | null = null;
+
+/**
+ * The `count` places nearest to the centre of the forest, nearest first; `density` is relative to the default. The last ones
+ * are kept, because a forest is planted again as each of its species arrives.
+ */
+export function placeTrees(count: number, seed: number, density = 1): readonly Placement[] {
+  const key = `${count} ${seed} ${density}`;
+  if (placed?.key !== key) placed = { key, places: newPlaces(count, seed, density) };
+  return placed.places;
+}
+
+function newPlaces(count: number, seed: number, density: number): Placement[] {
   const spacing_m = SPACING_M / Math.sqrt(density);
   const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI) + (5 * SPACING_M) / spacing_m);
-  const places: Placement[] = [];
+  const wood: Placement[] = [];
   for (let row = -cells; row <= cells; row++) {
-    for (let column = -cells; column <= cells; column++) places.push(placeAt(column, row, seed, spacing_m));
+    for (let column = -cells; column <= cells; column++) {
+      const place = placeAt(column, row, seed, spacing_m);
+      if (isWood(place)) wood.push(place);
+    }
   }
-  return places
-    .filter(isWood)
-    .sort((a, b) => reach_m(a) - reach_m(b))
-    .slice(0, count);
+  return nearestFirst(wood.map(reach_m))
+    .slice(0, count)
+    .map((k) => wood[k]);
+}
+
+/** The order of numbers by size, equal ones as they are. A comparison that computes them takes seconds for large forests. */
+function nearestFirst(far_m: readonly number[]): number[] {
+  return far_m.map((_, k) => k).sort((a, b) => far_m[a] - far_m[b]);
 }
 
 /** Largest distance of a tree from the centre of the forest; `placements`: x, z, yaw, scale of each tree. */
