@@ -59,7 +59,7 @@ describe("biome rejects", () => {
     ["web/player/src/core/wind/planted.ts", "../../../../src/scene/quality", "core imports nothing from outside core"],
     ["web/player/src/core/wind/planted.ts", "galewood/trees", "The package uses its own files"],
     ["web/player/src/worker/planted.ts", "three", "The worker draws nothing"],
-    ["web/player/src/worker/motion/planted.ts", "../../trees/culling", "The worker imports core only"],
+    ["web/player/src/worker/motion/planted.ts", "../../trees/culling/culling", "The worker imports core only"],
     ["web/player/src/worker/motion/planted.ts", "../../../../src/page/settings/settings", "The worker imports core only"],
     ["web/player/src/trees/planted.ts", "../three/forest", "The tree code imports core"],
     ["web/player/src/trees/planted.ts", "../worker/motion/blend", "The tree code imports core"],
@@ -72,7 +72,7 @@ describe("biome rejects", () => {
     ["web/player/src/planted.ts", "galewood/core", "The package uses its own files"],
     ["web/src/scene/sky/planted.ts", "../../page/app", "scene knows nothing of the page"],
     ["web/src/scene/sky/planted.ts", "galewood/client-worker", "scene starts no worker"],
-    ["web/src/scene/sky/planted.ts", "../../../player/src/trees/culling", "by its public subpaths"],
+    ["web/src/scene/sky/planted.ts", "../../../player/src/trees/culling/culling", "by its public subpaths"],
     ["web/src/page/planted.ts", "../../player/src/core/wind/document", "by its public subpaths"],
     ["web/src/page/ui/planted.ts", "../../../player/dist/core.js", "by its public subpaths"],
   ])("%s importing %s", async (file, specifier, message) => {

@@ -17,6 +17,12 @@ export let coupled: i32 = 0;
 /** Bytes of a row of the d oscillators and of one of the r − d further modes, padded to whole vectors. */
 export let ownRow: usize = 0;
 export let furtherRow: usize = 0;
+/**
+ * Bytes from one tree to the next in the arrays of states and of poses; the further modes of a pose begin as far behind it as a
+ * row of states is long. A coarse model of the same trees, which steps the first oscillators only, has shorter rows.
+ */
+export let stateRow: usize = 0;
+export let poseRow: usize = 0;
 
 /** [6, d] r00 − 1, r01, r10, r11 − 1, s0, s1 */
 export let stepping: usize = 0;
@@ -363,22 +369,23 @@ function writePose(tree: i32, position: usize, px: f32, pz: f32, strength: f32):
   clampPair(MODAL_REACH * far);
   // Behind the pressure, which the pose is linear in, the same terms as the force's first ones.
   writeShape(pairX, pairY, position);
-  const row = ownRow + furtherRow;
-  const to = now + row * tree;
-  const old = before + row * tree;
-  for (let k: usize = 0; k < row; k += 16) v128.store(old + k, v128.load(to + k));
+  const to = now + poseRow * tree;
+  const old = before + poseRow * tree;
   for (let k: usize = 0; k < ownRow; k += 16) {
+    v128.store(old + k, v128.load(to + k));
     v128.store(to + k, f32x4.mul(v128.load(shown + k), v128.load(position + k)));
   }
+  const further = to + stateRow;
   const x = f32x4.splat(px);
   const z = f32x4.splat(pz);
   for (let k: usize = 0; k < furtherRow; k += 16) {
+    v128.store(old + stateRow + k, v128.load(further + k));
     const a = f32x4.mul(x, v128.load(poseTerms + k));
     const b = f32x4.mul(z, v128.load(poseTerms + furtherRow + k));
-    v128.store(to + ownRow + k, f32x4.add(a, b));
+    v128.store(further + k, f32x4.add(a, b));
   }
-  addRows(posePlain, position, <i32>(ownRow >> 2), furtherRow, to + ownRow);
-  addRows(poseTerms + 2 * furtherRow, terms, 7 + 2 * coupled, furtherRow, to + ownRow);
+  addRows(posePlain, position, <i32>(ownRow >> 2), furtherRow, further);
+  addRows(poseTerms + 2 * furtherRow, terms, 7 + 2 * coupled, furtherRow, further);
 }
 
 /**
@@ -386,8 +393,8 @@ function writePose(tree: i32, position: usize, px: f32, pz: f32, strength: f32):
  * 0 if there are no gusts.
  */
 export function step(tree: i32, px: f32, pz: f32, places: i32): void {
-  const position = e + ownRow * tree;
-  const speed = v + ownRow * tree;
+  const position = e + stateRow * tree;
+  const speed = v + stateRow * tree;
   const count = 44 + 6 * coupled;
   const gusts = terms + 4 * count;
   let feltX = px;

@@ -13,7 +13,7 @@ const PLAYER = fileURLToPath(new URL("../../../web/player/", import.meta.url));
 const DIST = `${PLAYER}dist/`;
 const PAGE = `${PLAYER}../src/`;
 /** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides. */
-const MOST_BYTES = 41_000;
+const MOST_BYTES = 42_500;
 const MOST_ELEMENT_BYTES = 2_000;
 const MOST_STREAM_BYTES = 40_000;
 const STREAM = ["stream.js", "galewood.stream.worker.js"];
@@ -83,7 +83,7 @@ function closureOf(names: readonly string[]): string[] {
 }
 
 describe("the built package", () => {
-  test("plays within 41,000 bytes, compressed, with worker and kernel", () => {
+  test("plays within 42,500 bytes, compressed, with worker and kernel", () => {
     const bytes = (names: readonly string[]) =>
       names.reduce((sum, name) => sum + gzipSync(readFileSync(DIST + name), { level: 9 }).length, 0);
     const playing = closureOf(["core.js", "three.js", "galewood.worker.js"]);

@@ -1,7 +1,7 @@
 /** The sprays that stand in for leaf cards near the eye. */
 import { describe, expect, test } from "vitest";
 import { seededRandom } from "../../../tools/species/random";
-import { leafSize, MOST_SHARE, nearRank, pieceSize, shareAt } from "../../../web/player/src/trees/detail";
+import { leafSize, MOST_SHARE, nearRank, pieceSize, sharesOf } from "../../../web/player/src/trees/detail";
 import { leafSprays, SPRAY_VERTICES, SPRAYS_PER_CARD } from "../../../web/src/scene/treeModel/leafSprays";
 import { type Point, cross, dot, minus, plus, unit } from "../../../web/src/scene/treeModel/points";
 
@@ -96,11 +96,11 @@ describe("sprays in place of leaf cards", () => {
 
 describe("the change from cards to sprays", () => {
   test("begins at the distance that the view gives and is complete at 0.6 of it", () => {
-    expect(shareAt(24, [52, 120], 24)).toBe(1);
-    expect(shareAt(23.99, [52, 120], 24)).toBeCloseTo(1, 2);
-    expect(shareAt(0.6 * 24, [52, 120], 24)).toBeCloseTo(MOST_SHARE, 9);
-    expect(shareAt(1, [52, 120], 24)).toBe(MOST_SHARE);
-    expect(shareAt(1, [52, 120])).toBe(1);
+    expect(sharesOf([52, 120], 24)(24)).toBe(1);
+    expect(sharesOf([52, 120], 24)(23.99)).toBeCloseTo(1, 2);
+    expect(sharesOf([52, 120], 24)(0.6 * 24)).toBeCloseTo(MOST_SHARE, 9);
+    expect(sharesOf([52, 120], 24)(1)).toBe(MOST_SHARE);
+    expect(sharesOf([52, 120])(1)).toBe(1);
   });
 
   test("shows each card or its sprays, and never less than half of both", () => {

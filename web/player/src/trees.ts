@@ -4,7 +4,7 @@
  */
 export { LEVEL_SHARES } from "./core/constants";
 export { groundUnder, type Ray } from "./core/math/groundRay";
-export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling";
+export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling/culling";
 export { nearRank, rankedIndex } from "./trees/detail";
 export type { DrawList, View } from "./trees/drawList";
 export { type BendNodes, bendNodes, type FarCards, fillCards } from "./trees/farCards";

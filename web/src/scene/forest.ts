@@ -118,6 +118,13 @@ export function placedSpecies(
   });
 }
 
+/**
+ * Large forests are selected in several turns while the camera moves, because a frame in which all their trees are takes
+ * too long, and uploads too much.
+ */
+const TURN_TREES = 20_000;
+const MOST_TURNS = 3;
+
 /** Share of a tree's height below its crown, and of the largest reach that the crown fills. */
 const TRUNK_HEIGHT_SHARE = 0.26;
 const CROWN_FILL_SHARE = 0.8;
@@ -142,6 +149,7 @@ export class Forest {
   private all: MovingGroup[] = [];
   private frozen = false;
   private leafless = false;
+  private turn = 0;
 
   /** `options` apply to the next placement. */
   constructor(
@@ -154,8 +162,8 @@ export class Forest {
     const before = this.all;
     this.all = placed.map((group) => {
       const old = before.find(({ forest }) => this.serves(forest, group));
-      if (old?.forest.setInstances(group.instances)) return { asset: group.asset, forest: old.forest };
-      return { asset: group.asset, forest: this.createSpecies(group) };
+      old?.forest.setInstances(group.instances);
+      return { asset: group.asset, forest: old?.forest ?? this.createSpecies(group) };
     });
     const kept = new Set(this.all.map(({ forest }) => forest));
     for (const { forest } of before) if (!kept.has(forest)) forest.dispose();
@@ -196,8 +204,18 @@ export class Forest {
     }
   }
 
-  select(view: View): void {
-    for (const { forest } of this.all) forest.select(view);
+  /** In how many turns the trees are selected while the camera moves. */
+  get turns(): number {
+    const trees = this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+    return Math.min(MOST_TURNS, Math.max(1, Math.ceil(trees / TURN_TREES)));
+  }
+
+  /** Selects what is drawn of all trees in this view, or in one of so many turns of a part of the species. */
+  select(view: View, turns = 1): void {
+    this.turn = (this.turn + 1) % turns;
+    const largestFirst = this.all.toSorted((a, b) => b.forest.instances.count - a.forest.instances.count);
+    for (const [rank, { forest }] of largestFirst.entries())
+      if (rank % turns === this.turn) forest.select(view);
   }
 
   renderNodes(renderer: WebGLRenderer): void {

@@ -12,12 +12,12 @@ describe("settings in the URL", () => {
 
   test("numbers are clamped and invalid values ignored", () => {
     const settings = settingsFromQuery("?trees=1e9&speed=-3&gust=NaN&seed=&direction=abc&lookup=moon&form=bonsai&forest=3.7&fps=0");
-    expect(settings).toEqual({ ...DEFAULTS, trees: 10_000, wind: withPlain(DEFAULTS.wind, { mean_speed_m_s: 0 }), forestSeed: 4, frameRateLimit_hz: 5 });
+    expect(settings).toEqual({ ...DEFAULTS, trees: 100_000, wind: withPlain(DEFAULTS.wind, { mean_speed_m_s: 0 }), forestSeed: 4, frameRateLimit_hz: 5 });
   });
 
   test("a link with too many trees is recognised", () => {
-    expect(treesBeyond("?trees=100000")).toBe(100_000);
-    for (const query of ["", "?trees=10000", "?trees=many", "?speed=3"]) expect(treesBeyond(query)).toBeNull();
+    expect(treesBeyond("?trees=300000")).toBe(300_000);
+    for (const query of ["", "?trees=100000", "?trees=many", "?speed=3"]) expect(treesBeyond(query)).toBeNull();
   });
 
   test("a query restores its settings and is empty for the defaults", () => {

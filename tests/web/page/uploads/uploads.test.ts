@@ -96,6 +96,33 @@ test("in a shared forest a tree is planted for all once it is loaded, and only t
   expect(sent).toEqual([true, false, false]);
 });
 
+test("a large forest is planted with its first moving trees, and again when all are loaded", () => {
+  for (const [trees, times] of [[20_000, 4], [20_001, 3]] as const) {
+    const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, "");
+    store.settings.trees = trees;
+    const model = { height_m: 10, radius_m: 2 };
+    const asset = (id: string) => ({ id, species: id, builtin: true, form: "open", hasTable: true, model: null as object | null, motion: null as object | null });
+    const assets = [asset("poplar"), asset("maple")];
+    const assetChanges = signal(0);
+    const catalogue = { isLoaded: false, assets, leafMotion: () => null, find: () => null, assetChanges };
+    let plans = 0;
+    const client = { plan: () => plans++ };
+    new Planting(store, { client } as never, catalogue as never, { arrivals: signal(0) } as never);
+    const arrive = (act: () => void) => {
+      act();
+      assetChanges.value++;
+    };
+    arrive(() => Object.assign(assets[0], { model }));
+    arrive(() => Object.assign(assets[0], { motion: { sha256: "a" } }));
+    arrive(() => Object.assign(assets[1], { model }));
+    arrive(() => {
+      Object.assign(assets[1], { motion: { sha256: "b" } });
+      catalogue.isLoaded = true;
+    });
+    expect(plans, `${trees} trees`).toBe(times);
+  }
+});
+
 describe("the uploads of this browser", () => {
   const shelf = (text: string | null = null) => {
     const kept = { text };

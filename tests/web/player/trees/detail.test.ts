@@ -9,7 +9,7 @@ import {
   levelFor,
   pieceSize,
   rankedIndex,
-  shareAt,
+  sharesOf,
   woodRanks,
 } from "../../../../web/player/src/trees/detail";
 import { seededRandom } from "../../seeded";
@@ -53,7 +53,7 @@ describe("levels of detail", () => {
     let before = new Float64Array(100).fill(1);
     let largest = 0;
     for (let distance = 40; distance < 600; distance += 0.05) {
-      const share = shareAt(distance, [first_m, 120]);
+      const share = sharesOf([first_m, 120])(distance);
       level = levelFor(share, level);
       const sizes = Float64Array.from({ length: 100 }, (_, k) => {
         const size = pieceSize(k / 100, share);

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { cylinderSeen } from "../../../../web/player/src/trees/culling";
+import { cylinderSeen } from "../../../../web/player/src/trees/culling/culling";
 import { LEVEL_SHARES } from "../../../../web/player/src/core/constants";
 import { LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
 import { DrawList, type View } from "../../../../web/player/src/trees/drawList";
@@ -46,6 +46,34 @@ describe("selection of trees", () => {
       expect(list.share[tree] > LEVEL_SHARES[1]).toBe(true);
       if (Math.hypot(x, z - 20) / scale < 29) expect(list.share[tree]).toBe(1);
     }
+  });
+
+  test("the trees that are drawn of many, in squares, are those that are drawn of each alone", () => {
+    const next = seededRandom(8);
+    const many = createInstanceData(placeTrees(3000, 7), (x) => 0.1 * x, () => [1, 1, 1, 0]);
+    const list = new DrawList(many);
+    let total = 0;
+    const alone = Array.from({ length: many.count }, (_, tree) => {
+      const data = many.data.slice(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS);
+      return new DrawList({ ...many, count: 1, data });
+    });
+    for (let k = 0; k < 8; k++) {
+      const [turn, eye_m] = [2 * Math.PI * next(), 200 * next()];
+      const facing = [-0.7, 0.7].map((side) => {
+        const normal = { x: Math.sin(turn + side), y: 0, z: Math.cos(turn + side) };
+        return { normal, constant: -eye_m * normal.x };
+      });
+      const view: View = { ...everywhere, planes: facing, eye: { x: eye_m, y: 5, z: 0 }, shadow_m: 60 };
+      list.select({ ...BOUNDS, low_m: k % 2 ? -1 : 0 }, view);
+      const drawn = new Set(list.order.subarray(0, list.drawn));
+      for (const [tree, single] of alone.entries()) {
+        single.select({ ...BOUNDS, low_m: k % 2 ? -1 : 0 }, view);
+        if (drawn.has(tree) !== single.drawn > 0) expect(drawn.has(tree), `view ${k}, tree ${tree}`).toBe(single.drawn > 0);
+      }
+      expect(drawn.size).toBeLessThan(2500);
+      total += drawn.size;
+    }
+    expect(total).toBeGreaterThan(1000);
   });
 
   test("trees out of view are omitted unless their shadow may be visible", () => {

@@ -157,7 +157,7 @@ describe("nodes of the levels of detail", () => {
     for (const level of [...coarserNodes(table), motion.levels[0]]) {
       expect(level.of.length).toBe(motion.nodes);
       expect(Math.max(...level.of)).toBe(level.nodes - 1);
-      expect(level.modes).toBe(Math.min(motion.modes, 4 * level.quads - 1));
+      expect(level.coordinates.length).toBe(Math.min(motion.modes, 4 * level.quads - 1));
       expect(level.basis.length).toBe(level.nodes * 12 * level.quads);
     }
     expect(motion.reach_m).toBeGreaterThan(0);

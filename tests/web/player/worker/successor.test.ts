@@ -40,7 +40,6 @@ class Player {
   motion: LocalMotion | null = null;
   private group = groupOf(FIRST);
   private method: Method = "modal";
-  private buffer = new Float32Array(0);
   private readonly field = new WindField(WIND);
   private readonly blend = new JumpBlend();
   private readonly shown = new ShownPoses();
@@ -53,15 +52,15 @@ class Player {
     if (this.motion) next.adopt(this.motion);
     this.motion = next;
     this.group = group;
-    this.buffer = new Float32Array(IDS.length * poseStride(group.table.metadata.modes));
     this.blend.start(starts);
     this.advance(0);
   }
 
   advance(dt_s = FRAME_S): void {
-    this.motion?.advance(dt_s, [this.buffer]);
-    this.blend.apply([this.buffer], dt_s);
-    this.shown.keep([this.buffer], dt_s);
+    this.shown.begin(dt_s);
+    const { buffers } = this.shown;
+    this.motion?.advance(dt_s, buffers);
+    this.blend.apply(buffers, dt_s);
   }
 
   /** Displacement (m) of the topmost node of every tree. */
@@ -74,7 +73,7 @@ class Player {
       [0, 1, 2].map((axis) => {
         let sum = 0;
         for (let k = 0; k < metadata.modes; k++) {
-          sum += nodeBasis[(3 * tip + axis) * metadata.modes + k] * this.buffer[tree * stride + k];
+          sum += nodeBasis[(3 * tip + axis) * metadata.modes + k] * this.shown.buffers[0][tree * stride + k];
         }
         return sum;
       }),

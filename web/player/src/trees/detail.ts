@@ -34,20 +34,21 @@ const WHOLE_NEAR_SHARE = 0.6;
 export const nearRank = (rank: number): number => NEAR_RANK + (MOST_SHARE - NEAR_RANK) * rank;
 
 /**
- * Share of pieces that a tree shows: 1 up to the first distance, then a power of the distance. Nearer than `near_m` it rises
- * above 1.
+ * Share of pieces that a tree shows, by its distance (m): 1 up to the first one, then a power of the distance. Nearer than
+ * `near_m` it rises above 1.
  */
-export function shareAt(
-  distance_m: number,
+export function sharesOf(
   [first_m, second_m]: readonly [number, number],
   near_m = 0,
-): number {
-  if (distance_m < near_m) {
-    return Math.min(MOST_SHARE, 1 + (1 - distance_m / near_m) / (1 - WHOLE_NEAR_SHARE));
-  }
-  if (distance_m <= first_m) return 1;
+): (distance_m: number) => number {
   const power = Math.log(SHARE_AT_SECOND) / Math.log(second_m / first_m);
-  return Math.max(LEAST_SHARE, (distance_m / first_m) ** power);
+  const least_m = first_m * LEAST_SHARE ** (1 / power);
+  return (distance_m) => {
+    if (distance_m < near_m)
+      return Math.min(MOST_SHARE, 1 + (1 - distance_m / near_m) / (1 - WHOLE_NEAR_SHARE));
+    if (distance_m <= first_m) return 1;
+    return distance_m >= least_m ? LEAST_SHARE : (distance_m / first_m) ** power;
+  };
 }
 
 /** The level for a share; `before` is the previous level (255: none), kept within the hysteresis. */

@@ -1,8 +1,9 @@
 /** Selects the trees of a frame, their levels of detail and the shadow casters. Pure; no allocation per frame. */
 import { LEVEL_SHARES } from "../core/constants";
 import { fadeAt } from "./crossFade";
-import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling";
-import { LEVEL_COUNT, levelFor, shareAt } from "./detail";
+import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling/culling";
+import { type Chunk, chunksOf } from "./culling/treeChunks";
+import { LEVEL_COUNT, levelFor, sharesOf } from "./detail";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 
 export interface View {
@@ -35,6 +36,18 @@ const LEAST_SHOWN = 1e-3;
 /** Below this elevation of the sun, shadows do not get longer. */
 const LOWEST_SUN = 0.15;
 
+/** Whether a tree of a chunk may be seen or cast a shadow that is. */
+function matters(chunk: Chunk, { height_m, radius_m, reach_m, low_m = 0 }: Bounds, view: View): boolean {
+  const { x, z, lowest_m, highest_m, scale } = chunk;
+  const across_m = chunk.radius_m + (radius_m + reach_m) * scale;
+  const tall_m = height_m * scale;
+  const low = lowest_m + Math.min(0, scale * low_m);
+  if (cylinderSeen(view.planes, x, low, z, highest_m + Math.max(0, scale * low_m) + tall_m - low, across_m))
+    return true;
+  const away_m = Math.hypot(x - view.eye.x, z - view.eye.z) - across_m;
+  return away_m - tall_m * (1 + 1 / Math.max(LOWEST_SUN, view.sun.y)) <= view.shadow_m;
+}
+
 /**
  * Per level, the trees `order[start ...]`: first `visible` ones near to far, those that show near parts before all others, then
  * `hidden` ones that only cast.
@@ -59,6 +72,11 @@ export class DrawList {
   /** Level of each tree, for the hysteresis; 255 at first. */
   readonly level: Uint8Array;
   private readonly classes: Uint8Array;
+  private readonly chunks: readonly Chunk[];
+  /** The trees of chunks that are not culled as a whole. */
+  private readonly candidates: Uint32Array;
+  private candidateCount = 0;
+  private shareAt: (distance_m: number) => number = () => 1;
   private readonly castBin: Uint8Array;
   private readonly next = new Uint32Array(CLASS_COUNT);
   private readonly tally = new Uint32Array(CLASS_COUNT);
@@ -73,10 +91,19 @@ export class DrawList {
     this.level = new Uint8Array(count).fill(NO_LEVEL);
     this.classes = new Uint8Array(count);
     this.castBin = new Uint8Array(count);
+    this.chunks = chunksOf(instances);
+    this.candidates = new Uint32Array(count);
   }
 
   select(bounds: Bounds, view: View): void {
-    for (let tree = 0; tree < this.instances.count; tree++) this.classify(tree, bounds, view);
+    this.candidateCount = 0;
+    this.shareAt = sharesOf(view.levelFrom_m, view.near_m);
+    for (const chunk of this.chunks) {
+      if (!matters(chunk, bounds, view)) continue;
+      this.candidates.set(chunk.trees, this.candidateCount);
+      this.candidateCount += chunk.trees.length;
+      for (const tree of chunk.trees) this.classify(tree, bounds, view);
+    }
     this.sortTrees();
     this.sortCasters();
   }
@@ -107,7 +134,7 @@ export class DrawList {
 
   /** Sets level and shares of a tree; returns the share of its pieces that its impostor leaves. */
   private detail(tree: number, distance_m: number, seen: boolean, view: View): number {
-    const share = shareAt(distance_m, view.levelFrom_m, view.near_m);
+    const share = this.shareAt(distance_m);
     const { card, pieces } = fadeAt(distance_m, view.cardsFrom_m ?? Number.POSITIVE_INFINITY);
     if (seen) this.card[tree] = card;
     const shown = Math.max(LEAST_SHOWN, share * pieces);
@@ -140,12 +167,16 @@ export class DrawList {
   }
 
   private sortTrees(): void {
-    const { classes, tally, next, order } = this;
+    const { classes, tally, next, order, candidates, candidateCount } = this;
     tally.fill(0);
-    for (let tree = 0; tree < classes.length; tree++) if (classes[tree] !== NO_LEVEL) tally[classes[tree]]++;
+    for (let k = 0; k < candidateCount; k++) {
+      const own = classes[candidates[k]];
+      if (own !== NO_LEVEL) tally[own]++;
+    }
     this.layOut();
-    for (let tree = 0; tree < classes.length; tree++) {
-      if (classes[tree] !== NO_LEVEL) order[next[classes[tree]]++] = tree;
+    for (let k = 0; k < candidateCount; k++) {
+      const own = classes[candidates[k]];
+      if (own !== NO_LEVEL) order[next[own]++] = candidates[k];
     }
   }
 

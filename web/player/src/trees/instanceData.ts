@@ -3,6 +3,12 @@
 /** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength; or see `oriented`. */
 export const INSTANCE_FLOATS = 12;
 
+/** Buffers of trees grow in steps of this many. */
+const ROOM_STEP = 256;
+
+/** Room for `count` trees and some more, so that buffers seldom grow while the camera moves. */
+export const roomFor = (count: number): number => Math.ceil((1.2 * count) / ROOM_STEP) * ROOM_STEP;
+
 /** A place for a tree. Species are assigned later, so that places never move. */
 export interface Placement {
   /** Id of the place; unaffected by other trees. */

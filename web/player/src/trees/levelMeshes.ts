@@ -13,7 +13,7 @@ import {
 import { LEVEL_SHARES } from "../core/constants";
 import { MOST_SHARE } from "./detail";
 import type { DrawList } from "./drawList";
-import { INSTANCE_FLOATS } from "./instanceData";
+import { INSTANCE_FLOATS, roomFor } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
 import type { PartMaterials } from "./partMaterials";
 
@@ -56,10 +56,14 @@ function geometryOf({ part, joint, pivot }: LevelPart, level: number, instances:
   geometry.setAttribute("aPiece", part.piece);
   if (joint) geometry.setAttribute("aJoint", joint);
   if (pivot) geometry.setAttribute("aPivot", pivot);
+  setInstances(geometry, instances);
+  return geometry;
+}
+
+function setInstances(geometry: InstancedBufferGeometry, instances: InstancedInterleavedBuffer): void {
   ["aPlace", "aTurn", "aTint"].forEach((name, k) => {
     geometry.setAttribute(name, new InterleavedBufferAttribute(instances, 4, k * 4));
   });
-  return geometry;
 }
 
 function instancesFor(trees: number): InstancedInterleavedBuffer {
@@ -76,8 +80,8 @@ interface LevelMesh {
 }
 
 export class LevelMeshes {
-  private readonly seen: InstancedInterleavedBuffer;
-  private readonly casting: InstancedInterleavedBuffer;
+  private seen = instancesFor(0);
+  private casting = instancesFor(0);
   private readonly meshes: LevelMesh[] = [];
   private visible = 0;
   /** Number of those that show near parts, which come first. */
@@ -87,12 +91,9 @@ export class LevelMeshes {
   constructor(
     private readonly level: number,
     parts: readonly LevelPart[],
-    trees: number,
     private readonly shadows: ShadowOptions,
     group: Group,
   ) {
-    this.seen = instancesFor(trees);
-    this.casting = instancesFor(trees);
     const shadowLevel = Math.max(
       level,
       LEVEL_SHARES.findLastIndex((share) => share >= shadows.share),
@@ -143,6 +144,7 @@ export class LevelMeshes {
     const { level } = this;
     const start = list.start[level];
     this.visible = Math.min(list.visible[level], texels.trees);
+    this.seen = this.withRoom(this.seen, this.visible, false);
     this.copy(this.seen, data, list, texels, this.visible, list.share, (i) => start + i);
     this.near = 0;
     while (this.near < this.visible && list.share[list.order[start + this.near]] > 1) this.near++;
@@ -150,8 +152,25 @@ export class LevelMeshes {
     this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
     this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
     const casterAt = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
+    this.casting = this.withRoom(this.casting, this.casters, true);
     this.copy(this.casting, data, list, texels, this.casters, list.castShare, casterAt);
     for (const one of this.meshes) one.mesh.visible = this.countOf(one) > 0;
+  }
+
+  /** The buffer, or a larger one in its place if it cannot hold so many trees. */
+  private withRoom(
+    buffer: InstancedInterleavedBuffer,
+    trees: number,
+    casting: boolean,
+  ): InstancedInterleavedBuffer {
+    if (trees <= buffer.count) return buffer;
+    const larger = instancesFor(roomFor(trees));
+    for (const { mesh, caster } of this.meshes) {
+      if (caster !== casting) continue;
+      mesh.geometry.dispose(); // what has been drawn is bound to the former buffer
+      setInstances(mesh.geometry, larger);
+    }
+    return larger;
   }
 
   private copy(

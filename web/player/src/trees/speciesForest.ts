@@ -1,8 +1,9 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
 import { type BufferAttribute, Group, type WebGLRenderer } from "three";
 import { LEVEL_SHARES } from "../core/constants";
+import type { Easing } from "../core/motion/easedPoses";
 import type { DrawnMotion } from "../core/table/drawnTable";
-import { type Bounds, orientedBounds } from "./culling";
+import { type Bounds, orientedBounds } from "./culling/culling";
 import { LEVEL_COUNT } from "./detail";
 import { DrawList, type View } from "./drawList";
 import type { FarCards } from "./farCards";
@@ -33,8 +34,6 @@ export interface SpeciesOptions {
 
 /** In place of the first vertex of a part: it is added to those of the file, and named by its joints. */
 const ADDED_PART = -1;
-/** Buffers grow in steps of this many trees. */
-const ROOM_STEP = 256;
 const ALL_TREES: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
 
 /** For each vertex of all parts, the vertex whose motion it takes. */
@@ -70,7 +69,6 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   private readonly uniforms: TreeUniforms;
   private readonly parts: OwnPart[];
   private readonly levels: LevelMeshes[];
-  private readonly room: number;
   private list: DrawList;
   private frozen = false;
   private fallen = false;
@@ -85,10 +83,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     public instances: InstanceData,
     readonly options: SpeciesOptions,
   ) {
-    this.room = Math.ceil(instances.count / ROOM_STEP) * ROOM_STEP;
-    this.nodes = motion
-      ? new NodePass(motion, this.room, options.maxTextureSide, options.exaggeration)
-      : null;
+    this.nodes = motion ? new NodePass(motion, options.maxTextureSide, options.exaggeration) : null;
     this.pulls = options.pullsOf?.(holdsOf(model)) ?? null;
     this.uniforms = {
       ...this.pulls?.uniforms,
@@ -148,12 +143,11 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
       const joint = motion && jointAttribute(part, firstVertex, motion, motion.levels[level]);
       return { part, near, joint, pivot, materials };
     });
-    return new LevelMeshes(level, parts, this.room, this.options.shadows, this.group);
+    return new LevelMeshes(level, parts, this.options.shadows, this.group);
   }
 
-  /** Replaces the instances if they fit; trees that stay keep their level of detail. */
-  setInstances(instances: InstanceData): boolean {
-    if (instances.count > this.room) return false;
+  /** Replaces the instances; trees that stay keep their level of detail. */
+  setInstances(instances: InstanceData): void {
     const before = this.list;
     const known = new Map(Array.from(this.instances.ids, (id, tree) => [id, tree] as const));
     this.instances = instances;
@@ -162,7 +156,6 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
       const old = known.get(id);
       if (old !== undefined) this.list.level[tree] = before.level[old];
     });
-    return true;
   }
 
   /** Whether the leaves are not drawn, because they have fallen. */
@@ -222,8 +215,9 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     return this.levels.reduce((sum, level) => sum + level.visibleTriangles, 0);
   }
 
-  setPoses(poses: Float32Array): void {
-    if (!this.frozen) this.nodes?.setPoses(poses);
+  /** `easing`: of poses that are reached over several frames. */
+  setPoses(poses: Float32Array, easing: Easing | null = null): void {
+    if (!this.frozen) this.nodes?.setPoses(poses, easing);
   }
 
   /** Shows what the modes do not show of pulled trees. */

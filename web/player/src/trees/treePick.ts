@@ -3,7 +3,7 @@
 import type { Ray } from "../core/math/groundRay";
 import { poseNow } from "../core/motion/nodePose";
 import type { DrawnMotion } from "../core/table/drawnTable";
-import type { Bounds } from "./culling";
+import type { Bounds } from "./culling/culling";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 import { leanOf } from "./lean";
 

@@ -1,6 +1,8 @@
 /** The worker: decodes tables and keeps the pose of every tree, computed here or received from the server. */
 
 import type { Method } from "../core/motion/method";
+import { type PosePacket, packetBuffers, packPoses } from "../core/motion/posePacket";
+import { poseStride } from "../core/motion/poseStride";
 import type { WindDocument } from "../core/wind/document";
 import { WindField } from "../core/wind/field";
 import { finalWind, parseState } from "../core/wind/transition";
@@ -30,6 +32,8 @@ const blend = new JumpBlend();
 let source: MotionSource | null = null;
 let field: WindField | null = null;
 let epoch = 0;
+/** Number of modes of each group of the plan. */
+let plannedModes: readonly number[] = [];
 /** The displayed poses, which the next plan starts from. */
 const shown = new ShownPoses();
 let shownMethod: Method = "modal";
@@ -129,15 +133,25 @@ function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void 
   shownMethod = plan.method;
   epoch = plan.epoch;
   watched = null;
+  plannedModes = plan.groups.map((group) => store.table(group.table).metadata.modes);
   blend.start(starts);
 }
 
-function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
+function advance(dt_s: number, spare: PosePacket | null): void {
   if (!source || !field) return;
   const begin_ms = performance.now();
-  if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
-  else shown.write(buffers); // no new poses yet
-  shown.keep(buffers, dt_s);
+  shown.begin(dt_s);
+  const { buffers } = shown;
+  const arrived = source.advance(dt_s, buffers); // otherwise there are no new poses yet
+  const changed = (arrived && source.changed) || [];
+  if (arrived) blend.apply(buffers, dt_s, changed);
+  const groups = plannedModes.map((modes, g) => ({
+    poses: buffers[g],
+    stride: poseStride(modes),
+    modes,
+    changed: changed[g] ?? null,
+  }));
+  const packet = packPoses(groups, spare);
   const { time_s, connection, coverage, extrapolationRatio } = source;
   const total_ms = performance.now() - begin_ms;
   const wind_ms = source.takeWind_ms();
@@ -146,17 +160,14 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
     epoch,
     time_s,
     work: { wind_ms, lookup_ms: total_ms - wind_ms, total_ms },
-    buffers,
+    packet,
     connection,
     wind: { state: field.state, coverage },
     extrapolationRatio,
     watched: watched && source.inspect(watched),
     pulled: rests.advance(source.pulled, dt_s),
   };
-  scope.postMessage(
-    reply,
-    buffers.map((buffer) => buffer.buffer),
-  );
+  scope.postMessage(reply, packetBuffers(packet));
 }
 
 scope.onmessage = ({ data }) => {
@@ -169,7 +180,7 @@ scope.onmessage = ({ data }) => {
       break;
     case "plan":
       setPlan(data.plan, data.wind, data.socketUrl);
-      advance(0, data.buffers);
+      advance(0, null);
       break;
     case "wind":
       field?.change(data.wind, source?.time_s ?? 0);
@@ -196,10 +207,11 @@ scope.onmessage = ({ data }) => {
       break;
     case "watch":
       watched = data.at;
+      source?.watch?.(watched);
       break;
     case "advance":
       source?.see?.(...data.viewer);
-      if (data.epoch === epoch) advance(data.dt_s, data.buffers);
+      if (data.epoch === epoch) advance(data.dt_s, data.spare);
       break;
   }
 };

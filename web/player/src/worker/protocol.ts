@@ -1,6 +1,7 @@
 /** Messages between main thread and worker. Types only: neither side imports the other. */
 
 import type { Method } from "../core/motion/method";
+import type { PosePacket } from "../core/motion/posePacket";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import type { Foliage } from "../core/table/table";
 import type { WindDocument } from "../core/wind/document";
@@ -132,14 +133,8 @@ export type ToWorker =
   | { kind: "load"; sha256: string; url: string }
   /** Fetches the records of a loaded table, for the next plan. */
   | { kind: "loadRecords"; table: string; url: string }
-  /** The buffers are returned filled, as by `advance`. */
-  | {
-      kind: "plan";
-      plan: ForestPlan;
-      wind: WindDocument;
-      socketUrl: string;
-      buffers: Float32Array<ArrayBuffer>[];
-    }
+  /** Answered as `advance` is. */
+  | { kind: "plan"; plan: ForestPlan; wind: WindDocument; socketUrl: string }
   | { kind: "wind"; wind: WindDocument }
   /** Begins or continues a pull, and ends it. */
   | { kind: "pull"; order: PullOrder }
@@ -154,14 +149,15 @@ export type ToWorker =
   | { kind: "hide"; hidden: boolean }
   /** Selects the tree whose figures are sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
-  /** Advances the forest; the buffers are returned filled. */
+  /** Advances the forest. */
   | {
       kind: "advance";
       epoch: number;
       dt_s: number;
       /** Where the viewer is, m: x and z. */
       viewer: readonly [number, number];
-      buffers: Float32Array<ArrayBuffer>[];
+      /** A packet that is no longer needed, whose arrays are filled again. */
+      spare: PosePacket | null;
     };
 
 export type ConnectionState = "idle" | "connecting" | "live" | "lost";
@@ -184,7 +180,7 @@ export type FromWorker =
       epoch: number;
       time_s: number;
       work: Work;
-      buffers: Float32Array<ArrayBuffer>[];
+      packet: PosePacket;
       connection: Connection;
       /** The wind state, and the share of trees within the sampled range of winds. */
       wind: { state: WindState; coverage: number };

@@ -26,6 +26,9 @@ const PLANTED_LABELS = {
   "Only this": "only",
 };
 
+/** Trees at the end of the slider; links ask for more. */
+const SLIDER_TREES = 10_000;
+
 export class Panel {
   private readonly pane = new Pane({ container: element("panel") });
   private readonly species: FolderApi;
@@ -84,11 +87,16 @@ export class Panel {
   }
 
   /** Trees are placed again only when the slider is released. */
-  private placement(folder: FolderApi, key: "trees" | "density" | "forestSeed", params: BindingParams): void {
+  private placement(
+    folder: FolderApi,
+    key: "trees" | "density" | "forestSeed",
+    params: BindingParams,
+    range: { max?: number } = {},
+  ): void {
     const { settings } = this.store;
     bind(
       folder,
-      { ...params, ...LIMITS[key] },
+      { ...params, ...LIMITS[key], ...range },
       () => settings[key],
       (value, released) => {
         if (released) settings[key] = value;
@@ -109,7 +117,9 @@ export class Panel {
   }
 
   private forest(folder: FolderApi): void {
-    this.placement(folder, "trees", { label: "Number of trees", format: whole });
+    // A slider up to the limit would move by hundreds of trees per pixel.
+    const most = this.store.settings.trees > SLIDER_TREES ? LIMITS.trees.max : SLIDER_TREES;
+    this.placement(folder, "trees", { label: "Number of trees", format: whole }, { max: most });
     this.placement(folder, "density", { label: "Density", format: hundredths });
     this.placement(folder, "forestSeed", { label: "Placement seed", format: whole });
     this.choice(folder, "form", {

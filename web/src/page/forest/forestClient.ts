@@ -6,6 +6,7 @@ import type {
   FromWorker,
   GroupPlan,
   Inspection,
+  PosePacket,
   PulledTree,
   PullOrder,
   TableMotion,
@@ -13,6 +14,7 @@ import type {
   TreeAt,
   Work,
 } from "galewood/client";
+import { EasedPoses, packetBuffers } from "galewood/client";
 import { sameWind, type WindState } from "galewood/wind";
 import { PullFields } from "../pulling/pullFields";
 import { complianceUrl, recordsUrl, tableUrl } from "../server/api";
@@ -21,8 +23,6 @@ import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { showToast } from "../ui/toast";
 import { MAX_FRAME_S } from "./frameStatistics";
-
-type Buffers = Float32Array<ArrayBuffer>[];
 
 interface Pending<Result> {
   resolve(result: Result): void;
@@ -45,8 +45,8 @@ function startWorker(): Worker {
 }
 
 export class ForestClient {
-  /** Newest poses, one buffer per moving group. */
-  poses: Buffers = [];
+  /** The poses of each moving group. */
+  eased: readonly EasedPoses[] = [];
   time_s = 0;
   /** Smoothed worker time per frame; `work` is that of the last frame. */
   lookup_ms = 0;
@@ -65,7 +65,9 @@ export class ForestClient {
   private readonly waitingRecords = new Map<string, Pending<void>>();
   private epoch = 0;
   private arrived: (() => void) | null = null;
-  private spare: Buffers = [];
+  /** The poses of the plan that is on its way. */
+  private next: EasedPoses[] = [];
+  private spare: PosePacket | null = null;
   private busy = false;
   private backlog_s = 0;
   private fresh = false;
@@ -114,8 +116,11 @@ export class ForestClient {
     arrived: () => void,
   ): void {
     this.epoch++;
-    const make = () => groups.map(({ motion, ids }) => new Float32Array(ids.length * motion.stride));
-    this.spare = make();
+    this.next = groups.map(({ motion: { modes, levels }, ids }) => {
+      const { coordinates } = levels[levels.length - 1];
+      return new EasedPoses(ids.length, modes, coordinates);
+    });
+    this.spare = null;
     this.arrived = arrived;
     this.busy = true;
     const full: ForestPlan = {
@@ -132,10 +137,8 @@ export class ForestClient {
       })),
     };
     const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
-    const buffers = make();
-    const transfer = buffers.map(({ buffer }) => buffer);
     const { wind } = this.store.settings;
-    this.send({ kind: "plan", plan: full, wind, socketUrl, buffers }, transfer);
+    this.send({ kind: "plan", plan: full, wind, socketUrl });
   }
 
   /** Begins or continues a pull. */
@@ -168,25 +171,27 @@ export class ForestClient {
     this.send({ kind: "watch", at });
   }
 
+  /** Newest poses of each moving group; distant trees are still on the way there. */
+  get poses(): readonly Float32Array[] {
+    return this.eased.map(({ poses }) => poses);
+  }
+
   /** Advances the forest by a display step, seen from a place (m). While the worker is busy, the time accumulates. */
   advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
     this.backlog_s = Math.min(MAX_FRAME_S, this.backlog_s + dt_s);
-    if (this.busy || this.spare.length === 0) return;
+    if (this.busy || this.epoch === 0) return;
     this.busy = true;
-    const buffers = this.spare;
-    this.spare = [];
+    const { spare } = this;
+    this.spare = null;
     const message: ToWorker = {
       kind: "advance",
       epoch: this.epoch,
       dt_s: this.backlog_s,
       viewer: [from.x, from.z],
-      buffers,
+      spare,
     };
     this.backlog_s = 0;
-    this.send(
-      message,
-      buffers.map((buffer) => buffer.buffer),
-    );
+    this.send(message, spare ? packetBuffers(spare) : []);
   }
 
   /** Whether the last request is still unanswered. */
@@ -237,8 +242,10 @@ export class ForestClient {
     if (message.epoch !== this.epoch) return;
     const { arrived } = this;
     this.arrived = null;
-    if (!arrived) this.spare = this.poses;
-    this.poses = message.buffers;
+    if (arrived) this.eased = this.next;
+    const at = { row: 0, near: 0, far: 0 };
+    for (const [g, poses] of this.eased.entries()) poses.take(message.packet, g, at);
+    this.spare = message.packet;
     this.time_s = message.time_s;
     this.work = message.work;
     this.lookup_ms += 0.1 * (message.work.total_ms - this.lookup_ms);

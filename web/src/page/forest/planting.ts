@@ -49,9 +49,14 @@ export interface PlantedStand {
 /** Around a stand from an inventory the invented forest begins this far from its edge. */
 const OPEN_LAND_M = 130;
 
+/** Larger forests are planted when their first species has arrived, and again when all have: each time takes half a second. */
+const MOST_REPLANTED = 20_000;
+
 export class Planting {
   /** Whether the trees are to be replaced for all once those that are loading have arrived. */
   private owed = false;
+  /** Whether trees that move have been planted. */
+  private planted = false;
 
   constructor(
     private readonly store: Store,
@@ -87,9 +92,12 @@ export class Planting {
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
     if (share !== null && !this.catalogue.isLoaded) return;
     if (inventory === "loading") return;
+    const waits = this.planted && settings.trees > MOST_REPLANTED && !this.catalogue.isLoaded;
+    if (waits && !replant) return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
     const stand = inventory && { stems: inventory.stems, named };
     const placed = plantForest(this.catalogue.assets, settings, stand);
+    this.planted = placed.some(({ motion }) => motion !== null);
     const { lookup, method, poseEasing } = settings;
     this.world.client.plan(
       placed.flatMap((group) => this.clientGroup(group)),

@@ -41,8 +41,10 @@ export class World {
   private readonly graphics: ContextLoss;
   /** Uniform of the leaf flutter: time, s, and whether leaves flutter. */
   private readonly flutter = { value: { x: 0, y: 0 } };
-  /** Whether the trees to draw must be selected again. */
+  /** Whether the trees to draw must be selected again, all at once. */
   private viewChanged = true;
+  /** Turns of the trees that have not been selected since the camera moved last. */
+  private turnsLeft = 0;
 
   constructor(private readonly store: Store) {
     const { settings, opened } = store;
@@ -138,7 +140,8 @@ export class World {
   private takePoses(): void {
     const { forest, client, field } = this;
     if (!client.takeFreshPoses()) return;
-    for (const [k, moving] of forest.moving.entries()) moving.forest.setPoses(client.poses[k]);
+    for (const [k, moving] of forest.moving.entries())
+      moving.forest.setPoses(client.eased[k].poses, client.eased[k]);
     showPulls(forest, client);
     if (client.wind) field.state = client.wind.state;
   }
@@ -154,17 +157,27 @@ export class World {
   /** Draws the picture, `dt_s` after the last one, unless a waiting forest has nothing new; returns whether it did. */
   draw(dt_s: number, waits: boolean): boolean {
     const { stage, forest } = this;
-    this.viewChanged = stage.updateCamera() || this.viewChanged;
-    if (waits && (this.hasTrees || !this.viewChanged)) return false;
-    if (this.viewChanged) {
-      forest.select(stage.view());
-      stage.backdrop.select(stage.view());
-    }
-    this.viewChanged = false;
+    const moved = stage.updateCamera();
+    if (waits && (this.hasTrees || !(moved || this.viewChanged))) return false;
+    if (moved || this.viewChanged) stage.backdrop.select(stage.view());
+    this.select(moved);
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
     stage.render(dt_s);
     return true;
+  }
+
+  private select(moved: boolean): void {
+    const { forest, stage } = this;
+    if (this.viewChanged) {
+      forest.select(stage.view());
+      this.turnsLeft = 0;
+    } else if (moved || this.turnsLeft > 0) {
+      const { turns } = forest;
+      this.turnsLeft = moved ? turns - 1 : this.turnsLeft - 1;
+      forest.select(stage.view(), turns);
+    }
+    this.viewChanged = false;
   }
 
   // ---- places -------------------------------------------------------------------------------------

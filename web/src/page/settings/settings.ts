@@ -50,7 +50,7 @@ export interface Settings {
 }
 
 export const LIMITS = {
-  trees: { min: 1, max: 10_000, step: 1 },
+  trees: { min: 1, max: 100_000, step: 1 },
   density: { min: 0.4, max: 2, step: 0.05 },
   forestSeed: { min: 0, max: 9999, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },

@@ -11,7 +11,7 @@ import { type Numbers, TreeInstances } from "../motion/treeInstances";
 import type { Table } from "../table/table";
 import { addRows } from "./addRows";
 import { ModalDrag } from "./modalDrag";
-import { ModalKernel } from "./modalKernel";
+import { type KernelModel, ModalKernel } from "./modalKernel";
 import { coupledOf, forceTerms, meanGust, poseTerms } from "./modalTensors";
 import { ModalTerms } from "./modalTerms";
 
@@ -19,7 +19,7 @@ import { ModalTerms } from "./modalTerms";
 export class ModalForest extends TreeInstances {
   /** [count] sway and pressure over their largest sampled values; above 1 the tree is beyond the sampled range. */
   readonly extrapolationRatio: Float32Array;
-  private readonly d: number;
+  protected readonly d: number;
   private readonly c: number;
   private readonly stepOf: Float64Array;
   private readonly load: Float64Array;
@@ -31,9 +31,9 @@ export class ModalForest extends TreeInstances {
   private readonly drag: ModalDrag;
   /** [count, own] displacement of the oscillators: rows of d, padded to whole SIMD vectors in the kernel. */
   private readonly e: Numbers;
-  private readonly v: Numbers;
-  private readonly own: number;
-  private readonly kernel: ModalKernel | null;
+  protected readonly v: Numbers;
+  protected readonly own: number;
+  protected readonly kernel: ModalKernel | null;
   private readonly ahead: Float64Array;
   private readonly polynomial: ModalTerms;
   private readonly total: Float64Array;
@@ -44,11 +44,14 @@ export class ModalForest extends TreeInstances {
   /** [2, G] gusts at the places of the tree that steps, Pa. */
   private readonly local: Numbers;
 
-  /** `plain`: use this double-precision implementation even where the kernel is available. */
-  constructor(table: Table, count: number, plain = false) {
+  /**
+   * `plain`: use this double-precision implementation even where the kernel is available. `coarse`: further models for the
+   * kernel.
+   */
+  constructor(table: Table, count: number, plain = false, coarse: readonly KernelModel[] = []) {
     const { modal, metadata } = table;
     const { modes, dt_s } = metadata;
-    const kernel = plain ? null : ModalKernel.make(modal, modes, count, dt_s);
+    const kernel = plain ? null : ModalKernel.make([{ modal, modes, dt_s }, ...coarse], count);
     super(count, modes, dt_s, kernel);
     const d = modal.step.length / 6;
     this.d = d;
@@ -126,7 +129,7 @@ export class ModalForest extends TreeInstances {
   protected step(i: number, px: number, pz: number): void {
     const gusty = this.gusts?.write(this.standing, i, px, pz, this.local) ?? false;
     const places = gusty ? this.mean.length : 0;
-    if (this.kernel) this.kernel.step(i, px, pz, places);
+    if (this.kernel) this.kernel.steps[0](i, px, pz, places);
     else this.stepPlainly(i, px, pz, places);
   }
 

@@ -16,9 +16,11 @@ type DragTensor = "dragPoint" | "dragIn" | "dragOut" | "dragRest" | "dragPlace";
 type Tensor =
   | ("stepping" | "pull" | "sway" | "force" | "meanGust" | "shown" | "posePlain" | "poseTerms" | "limits")
   | DragTensor;
-type State = "e" | "v" | "now" | "before" | "extrapolationRatio";
+const STATES = ["e", "v", "now", "before", "extrapolationRatio"] as const;
+type State = (typeof STATES)[number];
 type Place = Tensor | State | "terms" | "ahead" | "total" | "air" | "dragForce";
-type Setting = "halfStep_s" | "exponent" | "coupled" | "ownRow" | "furtherRow" | "dragPoints" | "dragInputs";
+type Row = "ownRow" | "furtherRow" | "stateRow" | "poseRow";
+type Setting = "halfStep_s" | "exponent" | "coupled" | "dragPoints" | "dragInputs" | Row;
 type Step = (tree: number, px: number, pz: number, places: number) => void;
 type Exports = Record<Place | Setting | "constantsEnd", WebAssembly.Global> & { step: Step };
 
@@ -106,25 +108,54 @@ function lengths(given: Record<Tensor, Float32Array>): Record<Tensor, number> {
   return Object.fromEntries(all) as Record<Tensor, number>;
 }
 
-/** Instantiates the kernel with its own memory, and returns views of its arrays. */
-function settle(module: WebAssembly.Module, sizes: Record<Place, number>) {
-  const places = Object.entries(sizes) as [Place, number][];
-  const bytes = places.reduce((sum, [, length]) => sum + 4 * filled(length), FIRST_BYTE);
-  const memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE_BYTES) });
-  const kernel = new WebAssembly.Instance(module, { env: { memory } }).exports as unknown as Exports;
-  if (Number(kernel.constantsEnd.value) > FIRST_BYTE)
-    throw new Error("the kernel's constants need more room");
-  const views = {} as Record<Place, Float32Array>;
-  let at = FIRST_BYTE;
-  for (const [name, length] of places) {
-    kernel[name].value = at;
-    views[name] = new Float32Array(memory.buffer, at, length);
-    at += 4 * filled(length);
-  }
-  return { kernel, views };
+/** A model of a tree's motion, and the modes that it displays. */
+export interface KernelModel {
+  readonly modal: ModalTensors;
+  readonly modes: number;
+  /** Duration of a step, s. */
+  readonly dt_s: number;
 }
 
-/** Tree states in the kernel's memory, and the step function. */
+/** Arrays of an instance of the kernel. */
+type Arrays = Partial<Record<Place, number>>;
+
+/** What a model's steps need; rows in floats. */
+function layoutOf({ modal, modes }: KernelModel) {
+  const d = modal.step.length / 6;
+  const own = filled(d);
+  const given = tensors(modal, d, modes - d);
+  const sizes: Arrays = {
+    ...lengths(given),
+    terms: given.force.length / own,
+    ahead: own,
+    total: own,
+    air: (2 * given.dragPoint.length) / 3,
+    dragForce: given.dragPoint.length,
+  };
+  return { given, sizes, own, further: filled(modes - d) };
+}
+
+/** Instances of the kernel that share a memory, each with its own arrays; returns views of these. */
+function settle(module: WebAssembly.Module, arrays: readonly Arrays[]) {
+  const all = arrays.flatMap((sizes) => Object.values(sizes));
+  const bytes = all.reduce((sum, length) => sum + 4 * filled(length), FIRST_BYTE);
+  const memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE_BYTES) });
+  let at = FIRST_BYTE;
+  return arrays.map((sizes) => {
+    const kernel = new WebAssembly.Instance(module, { env: { memory } }).exports as unknown as Exports;
+    if (Number(kernel.constantsEnd.value) > FIRST_BYTE)
+      throw new Error("the kernel's constants need more room");
+    const views = {} as Record<Place, Float32Array>;
+    for (const [name, length] of Object.entries(sizes) as [Place, number][]) {
+      kernel[name].value = at;
+      views[name] = new Float32Array(memory.buffer, at, length);
+      at += 4 * filled(length);
+    }
+    return { kernel, views };
+  });
+}
+
+/** Tree states in the kernel's memory, and the step functions. */
 export class ModalKernel {
   /** Floats per row of oscillators, padding included. */
   readonly ownRow: number;
@@ -139,62 +170,58 @@ export class ModalKernel {
   /** [2, G] gusts at the places of the tree that steps next, Pa. */
   readonly local: Float32Array;
   /**
-   * Advances a tree by one table step under a pressure (Pa) in its own frame and the gusts in `local`; `places`: G, or 0 if
-   * it has none.
+   * Of each model: advances a tree by one step under a pressure (Pa) in its own frame and the gusts in `local`; `places`: G,
+   * or 0 if it has none, as for all models but the first.
    */
-  readonly step: Step;
+  readonly steps: readonly Step[];
 
-  private constructor(
-    module: WebAssembly.Module,
-    modal: ModalTensors,
-    modes: number,
-    count: number,
-    dt_s: number,
-  ) {
-    const d = modal.step.length / 6;
-    const own = filled(d);
-    const row = own + filled(modes - d);
-    const given = tensors(modal, d, modes - d);
-    const coupled = coupledOf(modal.limits.length);
-    const { kernel, views } = settle(module, {
-      ...lengths(given),
-      terms: given.force.length / own,
-      ahead: own,
-      total: own,
-      air: (2 * given.dragPoint.length) / 3,
-      dragForce: given.dragPoint.length,
-      e: count * own,
-      v: count * own,
-      now: count * row,
-      before: count * row,
-      extrapolationRatio: count,
-    });
-    for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
-    kernel.halfStep_s.value = dt_s / 2;
-    kernel.exponent.value = modal.streamlinedExponent;
-    kernel.coupled.value = coupled;
-    kernel.dragPoints.value = given.dragPoint.length / 3;
-    kernel.dragInputs.value = dragInputs(d);
-    kernel.ownRow.value = 4 * own;
-    kernel.furtherRow.value = 4 * (row - own);
+  private constructor(module: WebAssembly.Module, models: readonly KernelModel[], count: number) {
+    const layouts = models.map(layoutOf);
+    const [{ own, further, sizes }] = layouts;
+    const row = own + further;
+    const states = { e: count * own, v: count * own, now: count * row, before: count * row };
+    Object.assign(sizes, states, { extrapolationRatio: count });
+    const instances = settle(
+      module,
+      layouts.map((layout) => layout.sizes),
+    );
+    const [first] = instances;
     ({
       e: this.e,
       v: this.v,
       now: this.now,
       before: this.before,
       extrapolationRatio: this.extrapolationRatio,
-    } = views);
-    this.local = views.terms.subarray(forceTerms(coupled));
+    } = first.views);
+    instances.forEach(({ kernel, views }, k) => {
+      const { modal, dt_s } = models[k];
+      const { given, own: stepped, further: displayed } = layouts[k];
+      for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
+      for (const name of STATES) kernel[name].value = first.kernel[name].value;
+      kernel.halfStep_s.value = dt_s / 2;
+      kernel.exponent.value = modal.streamlinedExponent;
+      kernel.coupled.value = coupledOf(modal.limits.length);
+      kernel.dragPoints.value = given.dragPoint.length / 3;
+      kernel.dragInputs.value = dragInputs(modal.step.length / 6);
+      kernel.ownRow.value = 4 * stepped;
+      kernel.furtherRow.value = 4 * displayed;
+      kernel.stateRow.value = 4 * own;
+      kernel.poseRow.value = 4 * row;
+    });
+    this.local = first.views.terms.subarray(forceTerms(coupledOf(models[0].modal.limits.length)));
     this.ownRow = own;
-    this.step = kernel.step;
+    this.steps = instances.map(({ kernel }) => kernel.step);
   }
 
-  /** Returns null if WebAssembly SIMD is not supported or memory is exhausted. */
-  static make(modal: ModalTensors, modes: number, count: number, dt_s: number): ModalKernel | null {
+  /**
+   * Returns null if WebAssembly SIMD is not supported or memory is exhausted. `models`: of the same trees; all but the first
+   * step the first oscillators only, and display the first of the further modes.
+   */
+  static make(models: readonly KernelModel[], count: number): ModalKernel | null {
     const module = compile();
     if (!module) return null;
     try {
-      return new ModalKernel(module, modal, modes, count, dt_s);
+      return new ModalKernel(module, models, count);
     } catch {
       return null;
     }

@@ -1,7 +1,7 @@
 /** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
 
 import type { WindField } from "../wind/field";
-import { compression, dynamicPressure, heightFactor, pressureOfVelocity } from "../wind/pressure";
+import { compression, dynamicPressure, heightFactor, pressurePerSpeed } from "../wind/pressure";
 import type { Moment } from "../wind/transition";
 import { poseStride } from "./poseStride";
 
@@ -17,13 +17,14 @@ export class GroupWind {
   /** Largest pressure relative to the sampled maximum. */
   extrapolationRatio = 0;
   private readonly speed_m_s: Float32Array;
-  private readonly velocityX: Float64Array;
-  private readonly velocityZ: Float64Array;
-  private readonly factor: Float64Array;
+  protected readonly velocityX: Float64Array;
+  protected readonly velocityZ: Float64Array;
+  protected readonly factor: Float64Array;
   /** Speed of the strongest gusts at the reference height. */
   private gust_m_s = 0;
   private exponent = 0;
   private reference_m = 1;
+  private tallest = 1;
 
   /**
    * `placement`: x, z, yaw, scale of each tree; `height_m`: height of a tree of scale 1; `streamlined`: exponent of the
@@ -52,41 +53,47 @@ export class GroupWind {
     return Float32Array.from({ length: this.count }, (_, tree) => this.placement[tree * 4 + channel]);
   }
 
+  /** Evaluates the wind at all trees. */
   update(field: WindField, moment: Moment): void {
-    const { wind } = moment;
-    this.setProfile(wind.height_exponent, wind.reference_height_m);
-    this.gust_m_s = wind.mean_speed_m_s * (1 + wind.gustiness);
+    const gusty = this.begin(moment);
     field.velocity(this.x, this.z, moment, this.velocityX, this.velocityZ);
-    const { velocityX, velocityZ, pressureX, pressureZ, streamlined, factor } = this;
-    pressureOfVelocity(velocityX, velocityZ, pressureX, pressureZ, streamlined, factor);
-    this.limit();
-  }
-
-  /** Limits pressures to the sampled range, or nearly so, and counts those beyond it. */
-  private limit(): void {
-    const { pressureX, pressureZ, velocityX, velocityZ, speed_m_s, factor, sampledPeak_pa } = this;
-    const most = sampledPeak_pa * sampledPeak_pa;
-    // Whether the strongest gusts of this wind exceed the range somewhere: then pressures within it are scaled, too.
-    const tallest = factor.reduce((a, b) => Math.max(a, b), 0);
-    const gusty = !this.clamps && this.pressure_pa(this.gust_m_s * tallest) > sampledPeak_pa;
     let beyond = 0;
     let strongest = 0;
     for (let tree = 0; tree < this.count; tree++) {
-      const vx = velocityX[tree];
-      const vz = velocityZ[tree];
-      speed_m_s[tree] = factor[tree] * Math.sqrt(vx * vx + vz * vz);
-      const px = pressureX[tree];
-      const pz = pressureZ[tree];
-      const square = px * px + pz * pz;
-      if (square > strongest) strongest = square;
-      if (square > most) beyond++;
-      else if (!gusty) continue;
-      const share = this.shareAt(tree, Math.sqrt(square) / sampledPeak_pa);
-      pressureX[tree] = px * share;
-      pressureZ[tree] = pz * share;
+      const ratio = this.press(tree, gusty);
+      if (ratio > strongest) strongest = ratio;
+      if (ratio > 1) beyond++;
     }
     this.coverage = this.count === 0 ? 1 : 1 - beyond / this.count;
-    this.extrapolationRatio = Math.sqrt(strongest) / sampledPeak_pa;
+    this.extrapolationRatio = strongest;
+  }
+
+  /**
+   * Takes the profile of a wind. Returns whether its strongest gusts exceed the sampled range somewhere: then pressures
+   * within it are scaled, too.
+   */
+  protected begin({ wind }: Moment): boolean {
+    this.setProfile(wind.height_exponent, wind.reference_height_m);
+    this.gust_m_s = wind.mean_speed_m_s * (1 + wind.gustiness);
+    return !this.clamps && this.pressure_pa(this.gust_m_s * this.tallest) > this.sampledPeak_pa;
+  }
+
+  /**
+   * Sets the pressure at a tree by its velocity, limited to the sampled range, or nearly so. Returns the pressure without
+   * that limit relative to the sampled maximum.
+   */
+  protected press(tree: number, gusty: boolean): number {
+    const { pressureX, pressureZ, velocityX, velocityZ, factor } = this;
+    const vx = velocityX[tree] * factor[tree];
+    const vz = velocityZ[tree] * factor[tree];
+    const speed_m_s = Math.sqrt(vx * vx + vz * vz);
+    this.speed_m_s[tree] = speed_m_s;
+    let perSpeed = pressurePerSpeed(speed_m_s, this.streamlined);
+    const ratio = (perSpeed * speed_m_s) / this.sampledPeak_pa;
+    if (ratio > 1 || gusty) perSpeed *= this.shareAt(tree, ratio);
+    pressureX[tree] = perSpeed * vx;
+    pressureZ[tree] = perSpeed * vz;
+    return ratio;
   }
 
   /** Factor of the pressure at a tree, which is `ratio` times the sampled peak. */
@@ -112,6 +119,12 @@ export class GroupWind {
     for (let tree = 0; tree < this.count; tree++) {
       this.factor[tree] = heightFactor(this.height_m * this.placement[tree * 4 + 3], exponent, reference_m);
     }
+    this.tallest = this.factor.reduce((a, b) => Math.max(a, b), 0);
+  }
+
+  /** Wind speed at a tree, m/s. */
+  speedAt_m_s(tree: number): number {
+    return this.speed_m_s[tree];
   }
 
   /** Writes each tree's wind speed (m/s) into its row, after the modes. */

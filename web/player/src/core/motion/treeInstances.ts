@@ -19,6 +19,7 @@ export abstract class TreeInstances {
   protected readonly now: Numbers;
   protected readonly before: Numbers;
   private readonly phase: Float64Array;
+  private readonly span: Float32Array;
   private readonly turn: Float32Array;
   protected readonly size: Float32Array;
   /** Where the trees stand; the arrays of the instances, not copies. */
@@ -40,6 +41,7 @@ export abstract class TreeInstances {
     this.now = room?.now ?? new Float64Array(count * r);
     this.before = room?.before ?? new Float64Array(count * r);
     this.phase = new Float64Array(count);
+    this.span = new Float32Array(count).fill(1);
     this.turn = new Float32Array(count * 2);
     for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
     this.size = new Float32Array(count).fill(1);
@@ -71,6 +73,7 @@ export abstract class TreeInstances {
   /** Copies the state of tree `row` of another forest of this table to tree i. */
   protected takeOver(i: number, from: TreeInstances, row: number): void {
     this.phase[i] = from.phase[row];
+    this.span[i] = from.span[row];
     const width = this.now.length / this.count;
     this.now.set(from.now.subarray(row * width, (row + 1) * width), i * width);
     this.before.set(from.before.subarray(row * width, (row + 1) * width), i * width);
@@ -95,19 +98,31 @@ export abstract class TreeInstances {
     gusts: PlaceGusts | null = null,
   ): void {
     this.gusts = gusts;
-    const rate = dtS / this.dt;
-    for (let i = 0; i < this.count; i++) {
-      this.rotatePressure(i, pressureX[i], pressureZ[i]);
-      const { px, pz } = this.localPressure;
-      let phase = this.phase[i] + rate / this.size[i];
-      for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
-        this.step(i, px, pz);
-        phase -= 1;
-      }
-      phase -= Math.floor(phase);
-      this.phase[i] = phase;
-      this.show(i, phase);
-    }
+    for (let i = 0; i < this.count; i++) this.advanceOne(i, dtS, pressureX[i], pressureZ[i]);
     this.gusts = null;
+  }
+
+  protected advanceOne(i: number, dtS: number, pressureX: number, pressureZ: number): void {
+    this.rotatePressure(i, pressureX, pressureZ);
+    this.show(i, this.advanceBy(i, dtS, 1));
+  }
+
+  /**
+   * Advances a tree by dt seconds in steps of `length` table steps, under `localPressure`. Returns how much of the last step
+   * is displayed, 0..1.
+   */
+  protected advanceBy(i: number, dtS: number, length: number): number {
+    const { px, pz } = this.localPressure;
+    let span = this.span[i];
+    let phase = this.phase[i] + dtS / this.dt / this.size[i];
+    for (let steps = 0; phase >= span && steps < MAX_STEPS_PER_ADVANCE; steps++) {
+      this.step(i, px, pz);
+      phase -= span;
+      span = length;
+    }
+    phase -= span * Math.floor(phase / span);
+    this.span[i] = span;
+    this.phase[i] = phase;
+    return phase / span;
   }
 }

@@ -23,7 +23,8 @@ export function drawnMotion(table: Table): DrawnMotion {
   const parent = Uint16Array.from(table.nodeParent);
   const nodes = table.nodeRest.length / 3;
   const of = Uint16Array.from({ length: nodes }, (_, node) => node);
-  const full = { nodes, quads: stride / 4, modes, of, basis, turn, rest_m, parent };
+  const coordinates = Uint16Array.from({ length: modes }, (_, k) => k);
+  const full = { nodes, quads: stride / 4, coordinates, of, basis, turn, rest_m, parent };
   return {
     modes,
     stride,
@@ -47,6 +48,13 @@ export function drawnBuffers(motion: DrawnMotion): ArrayBuffer[] {
   const { basis, turn, rest_m, parent, levels } = motion;
   const { jointNodes, jointShare, jointRest_m, vertexJoint } = motion;
   const own = [basis, turn, rest_m, parent, jointNodes, jointShare, jointRest_m, vertexJoint];
-  const ofLevels = levels.flatMap((level) => [level.of, level.basis, level.turn, level.rest_m, level.parent]);
+  const ofLevels = levels.flatMap((level) => [
+    level.coordinates,
+    level.of,
+    level.basis,
+    level.turn,
+    level.rest_m,
+    level.parent,
+  ]);
   return [...new Set([...own, ...ofLevels].map(({ buffer }) => buffer))];
 }

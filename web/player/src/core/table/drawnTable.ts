@@ -3,10 +3,10 @@
 /** Nodes for one level of detail. */
 export interface NodeLevel {
   readonly nodes: number;
-  /** Texels per tree: the modes of this level, then the local wind speed in m/s, padding. */
+  /** Texels per tree: the coordinates of this level, then the local wind speed in m/s, padding. */
   readonly quads: number;
-  /** This level keeps the first modes of the table, which move it most. */
-  readonly modes: number;
+  /** The coordinates of the table that this level keeps, which move it most. */
+  readonly coordinates: Uint16Array<ArrayBuffer>;
   /** Node of this level for each node of the table. */
   readonly of: Uint16Array<ArrayBuffer>;
   /** [nodes, 3, 4 quads]: displacement in m per unit of each coordinate, zero beyond the modes. */

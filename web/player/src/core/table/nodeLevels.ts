@@ -1,6 +1,7 @@
 /** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
 import { TURN_ARM } from "../constants";
 import type { NodeLevel } from "./drawnTable";
+import { leadingCoordinates } from "./leadingCoordinates";
 import type { Table } from "./table";
 
 /** Number of nodes, and of texels of four modes (the last holds the wind), for each level after the full one. */
@@ -65,14 +66,14 @@ function sharesOf({ vertexNode }: Table, group: Uint16Array, groups: number): Fl
   return vertices.map((count, node) => count / weight[group[node]]);
 }
 
-/** Means of rows [nodes, 3, modes] in each group, [groups, 3, stride], of the first `kept` modes; the rest is zero. */
+/** Means of rows [nodes, 3, modes] in each group, [groups, 3, stride], of these modes; the rest is zero. */
 function meanRows(
   rows: Float32Array,
   modes: number,
   group: Uint16Array,
   share: Float64Array,
   groups: number,
-  kept: number,
+  kept: Uint16Array,
   stride: number,
 ): Float32Array<ArrayBuffer> {
   const mean = new Float32Array(groups * 3 * stride);
@@ -80,7 +81,7 @@ function meanRows(
     for (let axis = 0; axis < 3; axis++) {
       const from = (node * 3 + axis) * modes;
       const to = (group[node] * 3 + axis) * stride;
-      for (let k = 0; k < kept; k++) mean[to + k] += share[node] * rows[from + k];
+      for (let k = 0; k < kept.length; k++) mean[to + k] += share[node] * rows[from + kept[k]];
     }
   }
   return mean;
@@ -104,17 +105,17 @@ export function coarserNodes(table: Table): NodeLevel[] {
     const of = grouped[level].slice();
     const nodes = of.reduce((a, b) => Math.max(a, b), 0) + 1;
     const quads = Math.min(most, Math.ceil((all + 1) / 4));
-    const kept = Math.min(all, 4 * quads - 1);
+    const coordinates = leadingCoordinates(all, table.modal.step.length / 6, 4 * quads - 1);
     const share = sharesOf(table, of, nodes);
-    const mean = (rows: Float32Array) => meanRows(rows, all, of, share, nodes, kept, 4 * quads);
+    const mean = (rows: Float32Array) => meanRows(rows, all, of, share, nodes, coordinates, 4 * quads);
     return {
       nodes,
       quads,
-      modes: kept,
+      coordinates,
       of,
       basis: mean(table.nodeBasis),
       turn: mean(table.nodeTurn),
-      rest_m: meanRows(table.nodeRest, 1, of, share, nodes, 1, 1),
+      rest_m: meanRows(table.nodeRest, 1, of, share, nodes, Uint16Array.of(0), 1),
       parent: groupParents(table.nodeParent, of, nodes),
     };
   });

@@ -1,6 +1,8 @@
 /** One level of pass 1: its own nodes and modes, drawn to its own rows, updated at a rate that depends on its distance. */
 import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial, type Texture } from "three";
+import type { Easing } from "../../core/motion/easedPoses";
 import type { NodeLevel } from "../../core/table/drawnTable";
+import { roomFor } from "../instanceData";
 import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
 import { COVER_GLSL, DISPLACE_GLSL, SHORTEN_GLSL } from "./levelShader";
 import type { LevelRows } from "./nodeLayout";
@@ -8,6 +10,8 @@ import type { LevelRows } from "./nodeLayout";
 /** Poses as written by the worker, `stride` floats per tree, and the list of drawn trees. */
 export interface PoseRows {
   readonly poses: Float32Array;
+  /** Of poses that are reached over several frames. */
+  readonly easing: Easing | null;
   readonly stride: number;
   /** Index of the wind in a row. */
   readonly wind: number;
@@ -47,8 +51,10 @@ export class LevelPass {
   readonly shortening: Step;
   private readonly textures: readonly DataTexture[];
   private readonly period: number;
-  private poses;
-  private before;
+  private poses = flatTexture(0, 4);
+  private before = this.poses;
+  /** Trees that the textures of poses can hold. */
+  private room = 0;
   /** Frames since the last pose update. */
   private age = 0;
   rows: LevelRows = { row: 0, rows: 0, trees: 0 };
@@ -56,7 +62,6 @@ export class LevelPass {
   /** `factor`: shared factor of all displacements. */
   constructor(
     readonly level: NodeLevel,
-    trees: number,
     geometry: BufferGeometry,
     private readonly index: number,
     factor: { value: number },
@@ -65,8 +70,6 @@ export class LevelPass {
     this.period = PERIODS[index] ?? 1;
     this.textures = [rowsTexture(level.basis), rowsTexture(level.turn), linksTexture(level)];
     const [basis, turn, links] = this.textures;
-    this.poses = flatTexture(trees * level.quads, 4);
-    this.before = this.period > 1 ? flatTexture(trees * level.quads, 4) : this.poses;
     const shared = {
       uPoses: { value: this.poses.texture },
       uBefore: { value: this.before.texture },
@@ -99,7 +102,7 @@ export class LevelPass {
       defines: {
         QUADS: this.level.quads,
         FLAT_SHIFT,
-        WIND_CHANNEL: this.level.modes % 4,
+        WIND_CHANNEL: this.level.coordinates.length % 4,
         ...(this.period > 1 && { BLEND: 1 }),
       },
       uniforms,
@@ -108,10 +111,19 @@ export class LevelPass {
 
   place(rows: LevelRows, shift: number): void {
     this.rows = rows;
+    if (rows.trees > this.room) this.makeRoom(rows.trees);
     const { uniforms } = this;
     uniforms.uShift.value = shift;
     uniforms.uRow.value = rows.row;
     uniforms.uDrawn.value = rows.trees;
+  }
+
+  private makeRoom(trees: number): void {
+    for (const { texture } of [this.poses, this.before]) texture.dispose();
+    this.room = roomFor(trees);
+    const texels = this.room * this.level.quads;
+    this.poses = flatTexture(texels, 4);
+    this.before = this.period > 1 ? flatTexture(texels, 4) : this.poses;
   }
 
   /** Call when the drawn trees have changed: takes their newest poses immediately. */
@@ -131,16 +143,18 @@ export class LevelPass {
     this.uniforms.uShare.value = (this.age + 1) / this.period;
   }
 
-  /** Copies the modes of the level and the wind of each drawn tree. */
-  private gather({ poses, stride, wind, order, start }: PoseRows): void {
-    const { modes, quads } = this.level;
+  /** Copies the coordinates of the level and the wind of each drawn tree. */
+  private gather({ poses, easing, stride, wind, order, start }: PoseRows): void {
+    const { coordinates, quads } = this.level;
     const { data, texture } = this.poses;
     const first = start[this.index];
     let to = 0;
     for (let slot = first; slot < first + this.rows.trees; slot++, to += 4 * quads) {
-      const from = order[slot] * stride;
-      for (let k = 0; k < modes; k++) data[to + k] = poses[from + k];
-      data[to + modes] = poses[from + wind];
+      const tree = order[slot];
+      const from = tree * stride;
+      for (let k = 0; k < coordinates.length; k++) data[to + k] = poses[from + coordinates[k]];
+      data[to + coordinates.length] = poses[from + wind];
+      easing?.ease(tree, coordinates, data, to);
     }
     uploadFirst(texture, this.rows.trees * quads);
     const { uniforms } = this;

@@ -13,6 +13,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
+import type { Easing } from "../../core/motion/easedPoses";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import type { DrawList } from "../drawList";
 import { LevelPass, type PoseRows } from "./levelPass";
@@ -48,10 +49,10 @@ export class NodePass {
   private readonly camera = new Camera();
   private list: DrawList | null = null;
   private poses: Float32Array | null = null;
+  private easing: Easing | null = null;
 
   constructor(
     private readonly motion: DrawnMotion,
-    readonly trees: number,
     private readonly maxSide: number,
     factor: { value: number },
   ) {
@@ -60,9 +61,7 @@ export class NodePass {
     this.target = uintTarget(layout.width, layout.height);
     this.first = uintTarget(layout.width, layout.height);
     const moved = { value: this.first.texture as Texture };
-    this.levels = motion.levels.map(
-      (level, k) => new LevelPass(level, trees, this.triangle, k, factor, moved),
-    );
+    this.levels = motion.levels.map((level, k) => new LevelPass(level, this.triangle, k, factor, moved));
   }
 
   /** Ensures capacity for the trees drawn in this frame, with a margin while the camera moves. */
@@ -103,17 +102,18 @@ export class NodePass {
   }
 
   /** Sets the newest poses: `stride` floats per tree, as written by the worker. */
-  setPoses(poses: Float32Array): void {
+  setPoses(poses: Float32Array, easing: Easing | null): void {
     const first = this.poses === null;
     this.poses = poses;
+    this.easing = easing;
     this.eachLevel((level, rows) => (first ? level.restart(rows) : level.advance(rows)));
   }
 
   private eachLevel(act: (level: LevelPass, rows: PoseRows) => void): void {
-    const { poses, list, motion } = this;
+    const { poses, easing, list, motion } = this;
     if (!poses || !list || poses.length < list.share.length * motion.stride) return;
     const { order, start } = list;
-    const rows = { poses, stride: motion.stride, wind: motion.modes, order, start };
+    const rows = { poses, easing, stride: motion.stride, wind: motion.modes, order, start };
     for (const level of this.levels) if (level.rows.trees > 0) act(level, rows);
   }
 

@@ -1,7 +1,12 @@
 /** Hides a jump of the poses (new source or table) by fading out the difference of each tree. Pure. */
+import type { Changed } from "../../core/motion/leveledTrees";
 import type { CarriedGroup } from "./carry";
 
 const FADE_S = 1;
+
+function addRow(to: Float32Array, offset: Float32Array, weight: number, from: number, length: number): void {
+  for (let i = from; i < from + length; i++) to[i] += weight * offset[i];
+}
 
 export class JumpBlend {
   /** The pose before the jump; once the new one is known, the difference between them. */
@@ -18,8 +23,11 @@ export class JumpBlend {
     this.pending = true;
   }
 
-  /** Adds the remaining difference to the new poses; call once per frame. */
-  apply(buffers: readonly Float32Array[], dt_s: number): void {
+  /**
+   * Adds the remaining difference to the new poses; call once per frame. `changed`: of each group the trees whose poses are
+   * new, all where it is missing.
+   */
+  apply(buffers: readonly Float32Array[], dt_s: number, changed: readonly (Changed | null)[] = []): void {
     if (this.left_s <= 0) return;
     if (this.pending) this.takeDifferences(buffers);
     else this.left_s = Math.max(0, this.left_s - dt_s);
@@ -27,7 +35,15 @@ export class JumpBlend {
     const weight = t * t * (3 - 2 * t);
     for (const [group, buffer] of buffers.entries()) {
       const offset = this.offsets[group];
-      if (offset) for (let i = 0; i < buffer.length; i++) buffer[i] += weight * offset[i];
+      if (!offset) continue;
+      const trees = changed[group];
+      if (!trees) addRow(buffer, offset, weight, 0, buffer.length);
+      else {
+        const stride = buffer.length / (this.known[group]?.length ?? 1);
+        for (const tree of trees.near) addRow(buffer, offset, weight, tree * stride, stride);
+        for (const tree of trees.far.flatMap((far) => [...far]))
+          for (const k of trees.coordinates) buffer[tree * stride + k] += weight * offset[tree * stride + k];
+      }
     }
   }
 

@@ -75,6 +75,14 @@ export class FailoverMotion implements MotionSource {
     this.local?.see(x, z);
   }
 
+  get changed() {
+    return this.local?.changed;
+  }
+
+  watch(at: TreeAt | null): void {
+    this.local?.watch(at);
+  }
+
   retry(): void {
     this.stream.retry();
   }

@@ -1,11 +1,15 @@
 /** Poses computed from the tables in this worker. */
 
+import { CoarseForest } from "../../core/modal/coarseForest";
 import { ModalForest } from "../../core/modal/modalForest";
 import { PlaceGusts } from "../../core/modal/placeGusts";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
+import { type Changed, LeveledTrees, middleOf_s } from "../../core/motion/leveledTrees";
+import { LeveledWind } from "../../core/motion/leveledWind";
 import type { Method } from "../../core/motion/method";
 import { PaperForest } from "../../core/motion/paperSearch";
 import { poseStride } from "../../core/motion/poseStride";
+import { FAR_LEVELS, FramePace } from "../../core/motion/simulationLevels";
 import { SteppedTrees, stepsOf } from "../../core/motion/steppedTrees";
 import type { Records } from "../../core/table/records";
 import type { Table } from "../../core/table/table";
@@ -29,15 +33,55 @@ export interface LocalGroup extends ShownGroup {
   readonly compliance: string | null;
 }
 
+/** Trees whose ranges are summed up per frame. */
+const SUMMED_TREES = 10_000;
+
+function largest(ratios: Float32Array): number {
+  let most = 0;
+  for (let tree = 0; tree < ratios.length; tree++) if (ratios[tree] > most) most = ratios[tree];
+  return most;
+}
+
 interface Moving {
   readonly group: LocalGroup;
   readonly trees: SteppedTrees<PaperForest | ModalForest>;
+}
+
+/** The trees of a group; those of the modal method have simulation levels. `poseEasing`: of the paper's method. */
+function treesOf(
+  { table, records, placement }: LocalGroup,
+  method: Method,
+  poseEasing: number | null,
+): SteppedTrees<PaperForest | ModalForest> {
+  const { height_m, peak_pressure_pa, modes, streamlined_exponent } = table.metadata;
+  const count = placement.length / 4;
+  if (method === "paper" && records) {
+    const lookup = new PaperForest(table, records, count, poseEasing === null ? {} : { poseEasing });
+    const wind = new GroupWind(placement, height_m, peak_pressure_pa, streamlined_exponent, true);
+    return new SteppedTrees(lookup, null, wind, modes);
+  }
+  const lookup = new CoarseForest(
+    table,
+    count,
+    FAR_LEVELS.map(({ steps }) => steps),
+  );
+  const wind = new LeveledWind(placement, height_m, table.modal.limits[2], streamlined_exponent);
+  const gusts = new PlaceGusts(table.modal, count);
+  // Without the kernel there are no coarse models.
+  return lookup.compiled
+    ? new LeveledTrees(lookup, gusts, wind, modes)
+    : new SteppedTrees(lookup, gusts, wind, modes);
 }
 
 export class LocalMotion implements MotionSource {
   readonly connection: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
   private readonly groups: Moving[];
   private wind_ms = 0;
+  private watched: TreeAt | null = null;
+  private kept = "";
+  private pace = new FramePace();
+  private reached = { coverage: 1, extrapolationRatio: 0 };
+  changed: readonly (Changed | null)[] = [];
   readonly hands: HeldTrees;
 
   constructor(
@@ -48,21 +92,7 @@ export class LocalMotion implements MotionSource {
     responses: PointResponses = new PointResponses(),
   ) {
     this.hands = new HeldTrees(this, responses);
-    this.groups = groups.map((group) => {
-      const { table, records, placement } = group;
-      const { height_m, peak_pressure_pa, modes, streamlined_exponent } = table.metadata;
-      const count = placement.length / 4;
-      const options = poseEasing === null ? {} : { poseEasing };
-      const lookup =
-        method === "paper" && records
-          ? new PaperForest(table, records, count, options)
-          : new ModalForest(table, count);
-      const modal = lookup instanceof ModalForest;
-      const peak_pa = modal ? table.modal.limits[2] : peak_pressure_pa;
-      const wind = new GroupWind(placement, height_m, peak_pa, streamlined_exponent, !modal);
-      const gusts = modal ? new PlaceGusts(table.modal, count) : null;
-      return { group, trees: new SteppedTrees(lookup, gusts, wind, modes) };
-    });
+    this.groups = groups.map((group) => ({ group, trees: treesOf(group, method, poseEasing) }));
   }
 
   /** Starts the trees of the modal method where and as fast as they are displayed; `adopt` has precedence. */
@@ -85,6 +115,7 @@ export class LocalMotion implements MotionSource {
 
   /** Takes over the state of trees that existed before with the same table and method. */
   adopt(before: LocalMotion): void {
+    this.pace = before.pace;
     for (const { group, trees } of this.groups) {
       const { lookup } = trees;
       const old = before.groups.find(
@@ -94,6 +125,8 @@ export class LocalMotion implements MotionSource {
       const rows = rowsBefore(old.group.ids, group.ids);
       if (lookup instanceof ModalForest && old.trees.lookup instanceof ModalForest) {
         lookup.adopt(old.trees.lookup, rows);
+        if (trees instanceof LeveledTrees && old.trees instanceof LeveledTrees)
+          trees.levels.adopt(old.trees.levels, rows);
       } else if (lookup instanceof PaperForest && old.trees.lookup instanceof PaperForest) {
         lookup.adopt(old.trees.lookup, rows);
       }
@@ -128,21 +161,35 @@ export class LocalMotion implements MotionSource {
   }
 
   get coverage(): number {
-    return coverageOf(this.groups.map(({ trees }) => trees.wind));
+    return this.reached.coverage;
   }
 
   get extrapolationRatio(): number {
-    const winds = extrapolationRatioOf(this.groups.map(({ trees }) => trees.wind));
-    return this.groups.reduce((most, { trees: { lookup } }) => {
-      if (lookup instanceof ModalForest)
-        for (const one of lookup.extrapolationRatio) most = Math.max(most, one);
-      return most;
-    }, winds);
+    return this.reached.extrapolationRatio;
+  }
+
+  /** Sums up how far winds and trees are within the sampled range; of large forests not in every frame. */
+  private sumUp(dt_s: number): void {
+    const count = this.groups.reduce((sum, { trees: { lookup } }) => sum + lookup.count, 0);
+    if (dt_s > 0 && this.pace.frame % Math.ceil(count / SUMMED_TREES) > 0) return;
+    for (const { trees } of this.groups) if (trees instanceof LeveledTrees) trees.wind.sumUp();
+    const winds = this.groups.map(({ trees }) => trees.wind);
+    const reached = this.groups.map(({ trees: { lookup } }) =>
+      lookup instanceof ModalForest ? largest(lookup.extrapolationRatio) : 0,
+    );
+    this.reached = {
+      coverage: coverageOf(winds),
+      extrapolationRatio: Math.max(extrapolationRatioOf(winds), ...reached),
+    };
   }
 
   /** Trees far from the viewer (m, world) do without the gusts within their crowns. */
   see(x: number, z: number): void {
     for (const { trees } of this.groups) trees.see(x, z);
+  }
+
+  watch(at: TreeAt | null): void {
+    this.watched = at;
   }
 
   takeWind_ms(): number {
@@ -162,10 +209,47 @@ export class LocalMotion implements MotionSource {
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const { steps, step_s } = stepsOf(dt_s);
+    const begin_s = this.time_s;
+    this.keepNear();
+    if (dt_s > 0) this.pace.next(dt_s);
+    this.changed = this.groups.map(({ trees }) =>
+      trees instanceof LeveledTrees ? trees.begin(begin_s, dt_s, this.pace) : null,
+    );
     for (let step = 0; step < steps; step++) this.step(step_s);
+    if (dt_s > 0) this.stepFar(begin_s, out);
     for (const [g, { trees }] of this.groups.entries()) trees.write(out[g]);
+    this.sumUp(dt_s);
     this.hands.follow(dt_s, out);
     return true;
+  }
+
+  private get leveled(): LeveledTrees[] {
+    return this.groups.flatMap(({ trees }) => (trees instanceof LeveledTrees ? [trees] : []));
+  }
+
+  /** Steps distant trees, level by level, because the wind of a level is that of one moment for all groups. */
+  private stepFar(begin_s: number, out: readonly Float32Array[]): void {
+    const { field, pace, groups } = this;
+    for (let level = 0; level < FAR_LEVELS.length; level++) {
+      const begin_ms = performance.now();
+      const moment = field.at(begin_s + middleOf_s(level, pace));
+      for (const trees of this.leveled) trees.updateFarWind(level, field, moment);
+      this.wind_ms += performance.now() - begin_ms;
+      const usual_s = pace.periodOf(level) * pace.frame_s;
+      for (const [g, { trees }] of groups.entries())
+        if (trees instanceof LeveledTrees) trees.stepFar(level, begin_s + usual_s, usual_s, out[g]);
+    }
+  }
+
+  /** Trees in a hand, and the one whose figures are shown, are stepped fully. */
+  private keepNear(): void {
+    const wanted = [...this.hands.places, ...(this.watched ? [this.watched] : [])];
+    const key = wanted.map(({ group, tree }) => `${group} ${tree}`).join();
+    if (key === this.kept) return;
+    this.kept = key;
+    for (const [g, { trees }] of this.groups.entries())
+      if (trees instanceof LeveledTrees)
+        trees.levels.keepNear(wanted.filter(({ group }) => group === g).map(({ tree }) => tree));
   }
 
   private step(dt_s: number): void {

@@ -1,3 +1,4 @@
+import type { Changed } from "../../core/motion/leveledTrees";
 import type { WindDocument } from "../../core/wind/document";
 /** The interface of everything that produces poses. */
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
@@ -20,6 +21,10 @@ export interface MotionSource {
   pause?(paused: boolean): void;
   /** Tells where the viewer is (m, world); trees far away may move with less detail. */
   see?(x: number, z: number): void;
+  /** The trees of each group whose poses the last `advance` wrote; null or absent: all of them. */
+  readonly changed?: readonly (Changed | null)[];
+  /** The tree whose figures are shown, which is stepped fully wherever it is. */
+  watch?(at: TreeAt | null): void;
   /** Connects to the server at once if the connection is lost. */
   retry?(): void;
   /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */

@@ -126,6 +126,14 @@ export class SharedMotion implements MotionSource {
     this.local.see(x, z);
   }
 
+  get changed() {
+    return this.local.changed;
+  }
+
+  watch(at: TreeAt | null): void {
+    this.local.watch(at);
+  }
+
   retry(): void {
     this.socket.retry();
   }

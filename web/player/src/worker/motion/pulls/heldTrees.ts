@@ -46,6 +46,15 @@ export class HeldTrees {
     return [...this.held.keys(), ...this.waiting.keys()];
   }
 
+  /** The trees of these hands, and those that ease back. */
+  get places(): TreeAt[] {
+    const orders = [
+      ...[...this.held.values(), ...this.easing].map(({ order }) => order),
+      ...this.waiting.values(),
+    ];
+    return orders.map(({ at }) => at);
+  }
+
   /** Begins or continues a pull. */
   pull(order: PullOrder): void {
     const held = this.held.get(order.hand);

@@ -1,0 +1,186 @@
+/**
+ * How often each tree of a group is stepped, by its distance from the viewer: near trees in every frame with the full model,
+ * distant ones less often with coarse ones. These take turns in blocks of neighbours in memory, so that every frame costs the
+ * same. Pure.
+ */
+
+/** Levels of distant trees: where they begin (m), and the table steps in one step of their coarse model. */
+export const FAR_LEVELS = [
+  { from_m: 150, steps: 4 },
+  { from_m: 300, steps: 4 },
+  { from_m: 600, steps: 8 },
+] as const;
+/** Steps of the farthest trees per second; each level nearer takes twice as many. */
+const SLOWEST_HZ = 3.75;
+/** Trees keep their level until they are this much (m) nearer than where it begins. */
+const RETURN_M = 10;
+/** Most frames from one step of the farthest trees to the next. */
+const MOST_FRAMES = 32;
+/** Weight of a new frame in the mean length of frames, and how far that may change before the periods do. */
+const NEW_FRAME = 0.1;
+const LONGER_FROM = 1.9;
+const SHORTER_FROM = 0.9;
+/** The clock has jumped if a distant tree would have to be stepped by this many of its periods. */
+const JUMP_PERIODS = 4;
+/** Trees that take their turn together. */
+const BLOCK_TREES = 32;
+
+/** The trees that are stepped in one frame. */
+export interface Turn {
+  /** To the end of the frame. */
+  readonly near: Uint32Array;
+  /** By level: ahead, to a pose that is reached `periods` frames after the one before this. */
+  readonly far: readonly Uint32Array[];
+  readonly periods: readonly number[];
+}
+
+/** Counts frames, and how many the farthest trees wait for their turn at the present frame rate, with a hysteresis. */
+export class FramePace {
+  frame = 0;
+  /** Mean length of a frame, s. */
+  frame_s = 0;
+  /** Frames between the steps of the farthest trees, a power of two. */
+  period = 0;
+
+  /** Begins a frame that lasts dt_s > 0. */
+  next(dt_s: number): void {
+    this.frame++;
+    this.frame_s += (this.frame_s === 0 ? 1 : NEW_FRAME) * (dt_s - this.frame_s);
+    const frames = Math.min(MOST_FRAMES, 1 / (SLOWEST_HZ * this.frame_s));
+    if (this.period === 0) this.period = 2 ** Math.round(Math.log2(Math.max(1, frames)));
+    while (frames >= LONGER_FROM * this.period) this.period *= 2;
+    while (this.period > 1 && frames < SHORTER_FROM * this.period) this.period /= 2;
+  }
+
+  /** Frames between the steps of a level of distant trees. */
+  periodOf(level: number): number {
+    return Math.max(1, this.period >> (FAR_LEVELS.length - 1 - level));
+  }
+}
+
+export class SimulationLevels {
+  /** Level of each tree: 0 near, then those of FAR_LEVELS. */
+  private readonly level: Uint8Array;
+  /** The lowest level in each block. */
+  private readonly lowest: Uint8Array;
+  /** Time to which each distant tree has been stepped. */
+  private readonly until_s: Float64Array;
+  private readonly lists: readonly Uint32Array[];
+  private readonly kept = new Set<number>();
+  private viewer: readonly [number, number] | null = null;
+  private placed = false;
+
+  /** Where the trees stand, m. `left`: called for each tree that becomes distant. */
+  constructor(
+    private readonly x: Float32Array,
+    private readonly z: Float32Array,
+    private readonly left: (tree: number) => void,
+  ) {
+    this.level = new Uint8Array(x.length);
+    this.lowest = new Uint8Array(Math.ceil(x.length / BLOCK_TREES));
+    this.until_s = new Float64Array(x.length);
+    this.lists = Array.from({ length: 1 + FAR_LEVELS.length }, () => new Uint32Array(x.length));
+  }
+
+  /** Tells where the viewer is (m); until then all trees are near. */
+  see(x: number, z: number): void {
+    this.viewer = [x, z];
+  }
+
+  /** Steps these trees fully from now on, and others by their distance again. */
+  keepNear(trees: readonly number[]): void {
+    this.kept.clear();
+    for (const tree of trees) {
+      this.kept.add(tree);
+      this.level[tree] = 0;
+      this.lowest[Math.floor(tree / BLOCK_TREES)] = 0;
+    }
+  }
+
+  /** Takes over the levels of trees that existed before; `rows`: their index there, −1 for a new tree. */
+  adopt(from: SimulationLevels, rows: Int32Array): void {
+    rows.forEach((row, tree) => {
+      if (row < 0) return;
+      this.level[tree] = from.level[row];
+      this.until_s[tree] = from.until_s[row];
+    });
+    for (let block = 0; block < this.lowest.length; block++) this.sumUp(block);
+    this.viewer = from.viewer;
+    // new trees among them get their level in their turn
+    this.placed = from.placed;
+  }
+
+  /** The trees to step in a frame that begins at a time (s) and lasts some. */
+  begin(time_s: number, pace: FramePace): Turn {
+    const { level, lowest, lists } = this;
+    if (this.viewer && !this.placed) {
+      for (let block = 0; block < lowest.length; block++) this.update(block, time_s);
+      this.placed = true;
+    }
+    const counts = lists.map(() => 0);
+    const periods = FAR_LEVELS.map((_, k) => pace.periodOf(k));
+    for (let block = 0; block < lowest.length; block++) {
+      const turn = block + pace.frame;
+      // the highest level whose turn it is, and with it all below
+      let most = periods.length;
+      while (most > 0 && (turn & (periods[most - 1] - 1)) !== 0) most--; // periods are powers of two
+      if (most === periods.length) this.update(block, time_s);
+      if (lowest[block] > most) continue;
+      const end = Math.min(level.length, (block + 1) * BLOCK_TREES);
+      for (let tree = block * BLOCK_TREES; tree < end; tree++) {
+        const own = level[tree];
+        if (own <= most) lists[own][counts[own]++] = tree;
+      }
+    }
+    const [near, ...far] = lists.map((list, k) => list.subarray(0, counts[k]));
+    return { near, far, periods };
+  }
+
+  /**
+   * Time (s) by which a distant tree is to be stepped to be at a time (s), where it is from then on. Where the clock has jumped,
+   * that is `usual_s`.
+   */
+  stepTo(tree: number, until_s: number, usual_s: number): number {
+    const step_s = until_s - this.until_s[tree];
+    if (Math.abs(step_s) > JUMP_PERIODS * usual_s) {
+      this.until_s[tree] = until_s;
+      return usual_s;
+    }
+    if (step_s <= 0) return 0;
+    this.until_s[tree] = until_s;
+    return step_s;
+  }
+
+  /** Gives the trees of a block their levels by distance. */
+  private update(block: number, time_s: number): void {
+    const { viewer, x, z, level, kept } = this;
+    if (!viewer) return;
+    const end = Math.min(level.length, (block + 1) * BLOCK_TREES);
+    for (let tree = block * BLOCK_TREES; tree < end; tree++) {
+      const dx = x[tree] - viewer[0];
+      const dz = z[tree] - viewer[1];
+      const before = level[tree];
+      const now = kept.size > 0 && kept.has(tree) ? 0 : levelAt(Math.sqrt(dx * dx + dz * dz), before);
+      level[tree] = now;
+      if (before > 0 || now === 0) continue;
+      this.until_s[tree] = time_s;
+      this.left(tree);
+    }
+    this.sumUp(block);
+  }
+
+  private sumUp(block: number): void {
+    let lowest: number = FAR_LEVELS.length;
+    const end = Math.min(this.level.length, (block + 1) * BLOCK_TREES);
+    for (let tree = block * BLOCK_TREES; tree < end; tree++) lowest = Math.min(lowest, this.level[tree]);
+    this.lowest[block] = lowest;
+  }
+}
+
+/** The level at a distance; `before` is the present one. */
+function levelAt(away_m: number, before: number): number {
+  let level = 0;
+  while (level < FAR_LEVELS.length && away_m >= FAR_LEVELS[level].from_m - (before > level ? RETURN_M : 0))
+    level++;
+  return level;
+}
