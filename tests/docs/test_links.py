@@ -36,7 +36,8 @@ def test_the_pages_with_python_code_are_those_that_are_tested() -> None:
     assert found == {  # by test_snippets.py but for one
         "README.md",
         "docs/tutorial.md",
-        "docs/how-to/export-mujoco.md",  # by tests/precompute/io/test_mjcf.py
+        "docs/how-to/export-mujoco.md",  # by tests/precompute/io/rigid/test_mjcf.py
+        "docs/how-to/export-urdf.md",  # by tests/precompute/io/rigid/test_urdf.py
         "docs/how-to/motion-records.md",
         "docs/how-to/notebook.md",
         "docs/how-to/sway-envelope.md",  # by tests/precompute/check/test_envelope.py

@@ -12,7 +12,7 @@ from typing import Annotated, Self
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
-from galewood.io.export import EXPORT_REVISION, ExportKind, ExportOptions, LoopOptions, file_name
+from galewood.io.export import EXPORT_REVISION, RIGID_KINDS, ExportKind, ExportOptions, LoopOptions, file_name
 from galewood.motion.wind import PRESETS, Wind, parse_wind
 from galewood.util import write_atomically
 from pydantic import Field, model_validator
@@ -78,11 +78,12 @@ async def get_export(
 ) -> Response:
     """A tree that sways, by default in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB),
     `pivots` (for Unreal), `usd`, `glb` (morph targets), `live` (morph targets that the file itself moves),
-    or `mjcf` (rigid bodies for MuJoCo, without a loop). The first request for it takes some seconds."""
+    and, without a loop, `mjcf` (rigid bodies for MuJoCo) and `urdf` (for simulators of robots). The first
+    request for it takes some seconds."""
     options = query.options()
     source = await asyncio.to_thread(_source, service, tree_id, options.name)
-    if kind == "mjcf" and source.compliance_sha256 is None:
-        title = "This tree has no compliance file, which MuJoCo needs"
+    if kind in RIGID_KINDS and source.compliance_sha256 is None:
+        title = f"This tree has no compliance file, which the export {kind} needs"
         hint = "It is stored when the computation ends. Trees of very many nodes have none: export bones."
         raise ProblemError(409, "no-compliance", title, hint=hint)
     key = _key(source, kind, options)
@@ -134,6 +135,6 @@ def _export(service: Service, source: _Source, kind: str, options: ExportOptions
 
     stores = service.stores
     table, mesh = stores.tables.get(source.table_sha256), stores.meshes.get(source.mesh_sha256)
-    wanted = source.compliance_sha256 if kind == "mjcf" else None
+    wanted = source.compliance_sha256 if kind in RIGID_KINDS else None
     compliance = stores.compliances.get(wanted) if wanted else None
     write_atomically(target, export_limited(table, mesh, kind, source.name, options, compliance))

@@ -19,7 +19,7 @@ import pygltflib
 import pytest
 import trimesh
 from galewood.io.cli.commands import app
-from galewood.io.export import KINDS, ExportError, ExportOptions, archive, write_export
+from galewood.io.export import KINDS, RIGID_KINDS, ExportError, ExportOptions, archive, write_export
 from galewood.io.export.looped import Loop, looped
 from galewood.io.export.pivots import packed_index, unpacked_index
 from galewood.motion.wind import Wind, WindField
@@ -39,7 +39,7 @@ GOLDEN = GOLDEN_FOLDER / "pole.safetensors"
 VALIDATOR = REPOSITORY / "node_modules/gltf-validator"
 WIND = Wind(mean_speed_m_s=9.0, gustiness=0.7, seed=3)
 OPTIONS = ExportOptions(wind=WIND, seconds=2.0, fps=12.0)
-LOOPED = tuple(kind for kind in KINDS if kind != "mjcf")
+LOOPED = tuple(kind for kind in KINDS if kind not in RIGID_KINDS)
 ERROR, SEAM = 0.1, 0.05  # % of the height
 
 

@@ -98,18 +98,23 @@ def test_a_rigged_tree_has_a_clip_for_each_wind_and_a_file_for_each_level(server
         assert [clip["animation"] for clip in told["clips"]] == ["Small_breeze", "Small_storm-front"]
 
 
-def test_a_tree_for_mujoco_is_fitted_to_its_compliance(server: Server) -> None:
+@pytest.mark.parametrize(("kind", "ending"), [("mjcf", "xml"), ("urdf", "urdf")])
+def test_a_tree_of_rigid_bodies_is_fitted_to_its_compliance(server: Server, kind: str, ending: str) -> None:
     with server.client() as api:
-        answer = api.get("/api/trees/small/exports/mjcf", params={"bones": "12"})
+        answer = api.get(f"/api/trees/small/exports/{kind}", params={"bones": "12"})
         assert answer.status_code == 200, answer.text
         with zipfile.ZipFile(io.BytesIO(answer.content)) as files:
-            assert {"Small.xml", "Small.json"} < set(files.namelist())
+            assert {f"Small.{ending}", "Small.json"} < set(files.namelist())
 
 
-def test_a_tree_without_compliance_is_refused_for_mujoco(start_server: StartServer, tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["mjcf", "urdf"])
+def test_a_tree_without_compliance_is_refused_as_rigid_bodies(
+    start_server: StartServer, tmp_path: Path, kind: str
+) -> None:
     with with_one_tree(start_server, tmp_path, None).client() as api:
-        answer = api.get("/api/trees/small/exports/mjcf")
+        answer = api.get(f"/api/trees/small/exports/{kind}")
         assert problem(answer) == (409, "no-compliance")
+        assert kind in answer.json()["title"]
         assert "computation" in answer.json()["hint"]
 
 

@@ -31,7 +31,7 @@ To = Annotated[
     str,
     typer.Option(
         help="vat (textures), bones (rigged GLB), pivots (Unreal), usd, glb (morphs), "
-        "live (morphs that move by themselves), or mjcf (MuJoCo)."
+        "live (morphs that move by themselves), mjcf (MuJoCo), or urdf (robot simulators)."
     ),
 ]
 MESH_HELP = "Mesh of the table; default: TABLE with .glb."
@@ -74,8 +74,8 @@ def export(
     json_out: JsonOut = None,
     **chosen: Any,
 ) -> None:
-    """Write a tree that sways in a wind for engines, USD or MuJoCo, or as a GLB."""
-    from galewood.io.export import ExportError, ExportOptions, file_name
+    """Write a tree that sways in a wind for engines, USD or simulators, or as a GLB."""
+    from galewood.io.export import RIGID_KINDS, ExportError, ExportOptions, file_name
     from galewood.motion.wind import WindError
     from galewood.pipeline.results import read_compliance
     from galewood.table import TableError, decode
@@ -87,7 +87,7 @@ def export(
         named["name"] = moving.name or file_name(table.stem)
         options = ExportOptions(wind=wind, winds=moving.several(), **named)
         folder = _folder(out or table.with_name(f"{table.stem}-{to}"))
-        compliance = read_compliance(table) if to == "mjcf" else None
+        compliance = read_compliance(table) if to in RIGID_KINDS else None
         _write(decoded, glb, to, folder, options, json_out, compliance)
     except (ExportError, TableError, WindError, OSError, ValueError) as error:
         print_error(str(error))
@@ -120,7 +120,7 @@ def _write(
     json_out: Path | None,
     compliance: bytes | None,
 ) -> None:
-    from galewood.io.export import write_export
+    from galewood.io.export import RIGID_KINDS, write_export
 
     name = options.name or "tree"
     with progress_bar() as bar:
@@ -128,7 +128,7 @@ def _write(
     write_figures(json_out, figures)
     size = sum(path.stat().st_size for path in out.iterdir() if path.name.startswith(name))
     console.print(f"{out}: {size / 1e6:.1f} MB")
-    if to == "mjcf":
+    if to in RIGID_KINDS:
         _tell_fit(figures)
         return
     measured = figures.get("measured") or figures.get("rigged", {}).get("measured", {})

@@ -4,6 +4,7 @@ from .errors import ExportError as ExportError
 from .limited import export_limited as export_limited
 from .options import EXPORT_REVISION as EXPORT_REVISION
 from .options import KINDS as KINDS
+from .options import RIGID_KINDS as RIGID_KINDS
 from .options import ExportKind as ExportKind
 from .options import ExportOptions as ExportOptions
 from .options import LoopOptions as LoopOptions

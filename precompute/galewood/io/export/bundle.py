@@ -14,10 +14,11 @@ from galewood.io.export.glb import export_glb
 from galewood.io.export.live.export import export_live
 from galewood.io.export.looped import Loop, looped
 from galewood.io.export.mjcf.export import export_mjcf
-from galewood.io.export.options import KINDS, SEVERAL_LEVELS, SEVERAL_WINDS, ExportOptions
+from galewood.io.export.options import KINDS, RIGID_KINDS, SEVERAL_LEVELS, SEVERAL_WINDS, ExportOptions
 from galewood.io.export.packages import check_packages
 from galewood.io.export.pivots import export_pivots
 from galewood.io.export.skeletal.bones import export_bones
+from galewood.io.export.urdf.export import export_urdf
 from galewood.io.export.usd.stage import export_usd
 from galewood.io.export.vat import export_vat
 from galewood.motion.wind import parse_wind
@@ -48,7 +49,7 @@ def write_export(
         name: Name of the files, without ending.
         options: What to export.
         on_progress: Receives the completed fraction and a message.
-        compliance: The compliance file of the tree, which "mjcf" needs.
+        compliance: The compliance file of the tree, which RIGID_KINDS need.
 
     Raises:
         ExportError: There is no such kind, the mesh is another tree's, or a package or a file is missing.
@@ -58,9 +59,10 @@ def write_export(
         raise ExportError(f"there is no export {kind!r}; choose one of {', '.join(KINDS)}")
     _check_files(kind, chosen)
     check_packages(kind, chosen)
-    if kind == "mjcf":
+    if kind in RIGID_KINDS:
         report(0.0, "Fitting rigid bodies to the tree")
-        description = export_mjcf(table, glb, compliance, folder, name, chosen.bones)
+        export_rigid = export_mjcf if kind == "mjcf" else export_urdf
+        description = export_rigid(table, glb, compliance, folder, name, chosen.bones)
         report(1.0, "Done")
         return description
     report(0.0, "Playing the wind")

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 from galewood.constants import LEVEL_SHARES
 from galewood.motion.wind import Wind
 
-ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "live", "mjcf"]
+ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "live", "mjcf", "urdf"]
 KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
 TextureFormat = Literal["exr", "png"]
 EXPORT_REVISION = 3
@@ -22,6 +22,8 @@ MOST_LETTERS = 64
 MOST_WINDS = 8
 """Of one file."""
 NAME_PATTERN = r"^[\w-]+$"
+RIGID_KINDS: tuple[ExportKind, ...] = ("mjcf", "urdf")
+"""Kinds without a motion: rigid bodies that are fitted to the compliance file of the tree."""
 SEVERAL_WINDS: tuple[ExportKind, ...] = ("bones", "pivots")
 """Kinds whose files hold several clips."""
 SEVERAL_LEVELS: tuple[ExportKind, ...] = ("vat", "bones", "pivots")
@@ -46,7 +48,7 @@ class LoopOptions(BaseModel):
     )
     fps: float = Field(default=30.0, ge=5, le=120, description="Frames per second.")
     format: TextureFormat = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
-    bones: int = Field(default=MOST_BONES, ge=4, description="Maximum number of bones; mjcf: of bodies.")
+    bones: int = Field(default=MOST_BONES, ge=4, description="Most bones; mjcf, urdf: most bodies.")
     levels: int = Field(
         default=1,
         ge=1,

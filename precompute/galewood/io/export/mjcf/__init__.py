@@ -1,1 +1,1 @@
-"""A tree for MuJoCo: rigid bodies on elastic hinges, fitted to the finite elements."""
+"""The rigid bodies of a tree as a model for MuJoCo."""

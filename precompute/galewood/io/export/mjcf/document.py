@@ -6,10 +6,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree
-from galewood.io.export.mjcf.drag import AIR_KG_M3, SPHERE_M, STEP_S, drag_coefficients
-from galewood.io.export.mjcf.fitted import FittedTree
-from galewood.io.export.mjcf.skin import Skin, upright
+from galewood.io.export.mjcf.skin import Skin
+from galewood.io.export.rigid.bodies import GROUND_BODY, HINGES, body_names, upright, upright_tensor
+from galewood.io.export.rigid.drag import AIR_KG_M3, SPHERE_M, STEP_S, drag_coefficients
+from galewood.io.export.rigid.fitted import FittedTree
 from galewood.util import Floats
 
 MUJOCO_INTEGRATOR = "Euler"
@@ -18,13 +18,6 @@ joints, and takes 50 times as long."""
 COLLISION_GROUP = 3
 """Group of the capsules: viewers hide it at first."""
 DRAG_GROUP = 4
-HINGES = ("bend_a", "bend_b", "twist")
-
-
-def body_names(tree: RigidTree, name: str) -> list[str]:
-    """(b + 1) names of the bodies, by their nodes of the table, and last of the body that is the ground's."""
-    digits = max(3, len(str(int(tree.node.max()))))
-    return [*(f"{name}_{int(node):0{digits}d}" for node in tree.node), name]
 
 
 def document(fitted: FittedTree, capsules: Floats, skins: list[Skin], name: str, height_m: float) -> str:
@@ -103,8 +96,7 @@ def _add_bodies(world: ElementTree.Element, fitted: FittedTree, capsules: Floats
 
 def _add_inertia(element: ElementTree.Element, fitted: FittedTree, body: int, origin: Floats) -> None:
     masses = fitted.masses
-    turned = upright(np.eye(3)).T
-    inertia = turned @ masses.inertia[body] @ turned.T
+    inertia = upright_tensor(masses.inertia[body])
     ElementTree.SubElement(
         element, "inertial",
         pos=_text(upright(masses.centre_m[body]) - origin), mass=_text(masses.mass_kg[body : body + 1]),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import struct
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,14 +10,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from galewood.io.export.gltf_file import GltfFile, given
-from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree
+from galewood.io.export.gltf_file import GltfFile
+from galewood.io.export.rigid.bodies import GROUND_BODY, RigidTree, upright
+from galewood.io.export.rigid.looks import write_look
 from galewood.table import Table
 from galewood.util import Floats, Ints
 
 BONE_NAME_BYTES = 40
-MOST_TEXTURE_PX = 1024
-WEBP_EXTENSION = "EXT_texture_webp"
 
 
 @dataclass(frozen=True)
@@ -29,11 +27,6 @@ class Skin:
     file: str
     texture: str | None
     rgba: tuple[float, float, float, float]
-
-
-def upright(vectors: Floats) -> Floats:
-    """Vectors (…, 3) of the table (y up) with z up, as MuJoCo has it."""
-    return np.stack([vectors[..., 0], -vectors[..., 2], vectors[..., 1]], axis=-1)
 
 
 def write_skins(
@@ -55,13 +48,14 @@ def write_skins(
         kind = str(primitive["kind"])
         if kind == "leaves" and table.foliage == "bare":
             continue
-        rgba, texture, both = _look(file, index, folder, name)
-        faces = np.concatenate([corners, corners[:, ::-1]]) if both else corners
+        look = write_look(file, index, folder, name, transparent=False)
+        faces = np.concatenate([corners, corners[:, ::-1]]) if look.both_sides else corners
         uv = file.texture_coordinates()[index]
         data = skin_bytes(rest[mine], uv, faces, bones[mine], weights[mine], names, place)
         path = f"{name}_{kind}_{index}.skn"
         (folder / path).write_bytes(data)
-        found.append(Skin(f"{name}_{kind}_{index}", path, texture if uv is not None else None, rgba))
+        texture = look.texture if uv is not None else None
+        found.append(Skin(f"{name}_{kind}_{index}", path, texture, look.rgba))
     return found
 
 
@@ -103,33 +97,3 @@ def skin_bytes(
             weight[held].astype("<f4").tobytes(),
         ]
     return b"".join(parts)
-
-
-def _look(
-    file: GltfFile, index: int, folder: Path, name: str
-) -> tuple[tuple[float, float, float, float], str | None, bool]:
-    """Colour, texture file and two-sidedness of a mesh's material."""
-    gltf = file.gltf
-    material = gltf.materials[given(gltf.meshes[index].primitives[0].material)]
-    surface = material.pbrMetallicRoughness
-    red, green, blue, alpha = (surface and surface.baseColorFactor) or (1.0, 1.0, 1.0, 1.0)
-    picture = surface.baseColorTexture if surface else None
-    if picture is None:
-        return (red, green, blue, alpha), None, bool(material.doubleSided)
-    texture = gltf.textures[picture.index]
-    extension = (texture.extensions or {}).get(WEBP_EXTENSION)
-    image = int(extension["source"]) if extension else given(texture.source)
-    target = f"{name}_texture_{image}.png"
-    (folder / target).write_bytes(_png(file.image(image)[0]))
-    return (red, green, blue, alpha), target, bool(material.doubleSided)
-
-
-def _png(content: bytes) -> bytes:
-    """The picture without its transparency: MuJoCo draws skins whole."""
-    from PIL import Image
-
-    picture = Image.open(io.BytesIO(content)).convert("RGB")
-    picture.thumbnail((MOST_TEXTURE_PX, MOST_TEXTURE_PX))
-    stream = io.BytesIO()
-    picture.save(stream, "PNG")
-    return stream.getvalue()

@@ -16,6 +16,7 @@ from galewood.io.export.skeletal.skeleton import choose_bones, parents_of, sampl
 from galewood.table import Table
 from galewood.util import Floats, Ints
 
+HINGES = ("bend_a", "bend_b", "twist")
 GROUND_BODY = -1
 """Body number of the ground, and of what is clamped in it."""
 LEAST_LENGTH_M = 1e-3
@@ -79,6 +80,24 @@ def rigid_tree(table: Table, rest_m: Floats, most: int) -> RigidTree:
         length_m=length,
         radius_m=node_radii(table, rest_m)[node],
     )
+
+
+def upright(vectors: Floats) -> Floats:
+    """Vectors (…, 3) of the table (y up) with z up, as simulators of robots have it."""
+    return np.stack([vectors[..., 0], -vectors[..., 2], vectors[..., 1]], axis=-1)
+
+
+def upright_tensor(tensor: Floats) -> Floats:
+    """A tensor (3, 3) of the table with z up."""
+    turned = upright(np.eye(3)).T
+    found: Floats = turned @ tensor @ turned.T
+    return found
+
+
+def body_names(tree: RigidTree, name: str) -> list[str]:
+    """(b + 1) names of the bodies, by their nodes of the table, and last of the body that is the ground's."""
+    digits = max(3, len(str(int(tree.node.max()))))
+    return [*(f"{name}_{int(node):0{digits}d}" for node in tree.node), name]
 
 
 def _axes(arm: Floats) -> Floats:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree
+from galewood.io.export.rigid.bodies import GROUND_BODY, RigidTree
 from galewood.solid.model import GRAVITY_M_S2
 from galewood.util import Floats, Ints
 

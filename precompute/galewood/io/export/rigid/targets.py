@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree
-from galewood.io.export.mjcf.solid import Solid
+from galewood.io.export.rigid.bodies import GROUND_BODY, RigidTree
+from galewood.io.export.rigid.solid import Solid
 from galewood.io.export.skeletal.radii import wood_vertices
 from galewood.solid.skinning import vertex_rows
 from galewood.table import Table

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.optimize
 
-from galewood.io.export.mjcf.chain import ChainModes
+from galewood.io.export.rigid.chain import ChainModes
 from galewood.util import Floats
 
 FITTED_MODES = 24

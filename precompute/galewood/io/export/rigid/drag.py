@@ -13,8 +13,8 @@ import numpy as np
 import scipy.optimize
 
 from galewood.constants import HALF_AIR_DENSITY_KG_M3
-from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree
-from galewood.io.export.mjcf.masses import vertex_areas
+from galewood.io.export.rigid.bodies import GROUND_BODY, RigidTree
+from galewood.io.export.rigid.masses import vertex_areas
 from galewood.motion.wind import dynamic_pressure
 from galewood.table import Table
 from galewood.util import Floats, Ints

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from galewood.io.export.mjcf.bodies import RigidTree
+from galewood.io.export.rigid.bodies import RigidTree
 from galewood.io.export.skeletal.radii import node_radii
 from galewood.io.export.skeletal.skeleton import parents_of
 from galewood.table import Table

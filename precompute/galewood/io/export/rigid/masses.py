@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.io.export.mjcf.bodies import GROUND_BODY, RigidTree
-from galewood.io.export.mjcf.chain import Masses, jacobian, turns
-from galewood.io.export.mjcf.solid import Solid
+from galewood.io.export.rigid.bodies import GROUND_BODY, RigidTree
+from galewood.io.export.rigid.chain import Masses, jacobian, turns
+from galewood.io.export.rigid.solid import Solid
 from galewood.io.export.skeletal.radii import wood_vertices
 from galewood.table import Table
 from galewood.util import Floats, Ints

@@ -13,11 +13,11 @@ import pytest
 from galewood.io.cli.commands import app
 from galewood.io.export import ExportError, ExportOptions, write_export
 from galewood.io.export.gltf_file import GltfFile
-from galewood.io.export.mjcf.chain import gravity, mass_matrix
-from galewood.io.export.mjcf.document import body_names
-from galewood.io.export.mjcf.fitted import FittedTree, fitted_tree
-from galewood.io.export.mjcf.solid import Solid
-from galewood.io.export.mjcf.targets import oscillators
+from galewood.io.export.rigid.bodies import body_names
+from galewood.io.export.rigid.chain import gravity, mass_matrix
+from galewood.io.export.rigid.fitted import FittedTree, fitted_tree
+from galewood.io.export.rigid.solid import Solid
+from galewood.io.export.rigid.targets import oscillators
 from galewood.pipeline.results import read_compliance
 from galewood.table import Table, decode, decode_compliance
 from typer.testing import CliRunner
@@ -33,7 +33,7 @@ from tests.precompute.fixtures.mujoco_trees import (
 )
 
 mujoco: Any = import_module("mujoco")
-SHIPPED = Path(__file__).parents[3] / "assets/species/shipped/apricot-forest.table"
+SHIPPED = Path(__file__).parents[4] / "assets/species/shipped/apricot-forest.table"
 FEW = 70
 MODES = 5
 FREQUENCY, DAMPING, DEFLECTION = 0.05, 0.10, 0.05
@@ -181,7 +181,7 @@ def test_a_ball_that_hits_the_stem_is_stopped_and_moves_the_tree(tree: Tree) -> 
 def test_the_code_of_the_page_runs(
     tree: Tree, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page = Path(__file__).parents[3].joinpath("docs/how-to/export-mujoco.md").read_text(encoding="utf-8")
+    page = Path(__file__).parents[4].joinpath("docs/how-to/export-mujoco.md").read_text(encoding="utf-8")
     code = page.partition("```python\n")[2].partition("```")[0]
     assert code.count("tree-mjcf/") == 2 and code.count("< 20") == 1
     monkeypatch.chdir(tree.folder)

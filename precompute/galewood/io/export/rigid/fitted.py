@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from galewood.io.export.mjcf.bodies import RigidTree, rigid_tree
-from galewood.io.export.mjcf.chain import Masses, gravity, jacobian, mass_matrix, natural_modes
-from galewood.io.export.mjcf.damping import FITTED_MODES, damping_ratios, hinge_damping
-from galewood.io.export.mjcf.drag import drawn_areas, exposed_on_bodies, least_masses
-from galewood.io.export.mjcf.fit import Chain, fitted_stiffness
-from galewood.io.export.mjcf.masses import body_masses, leaf_areas, lumped, mode_inertia, node_masses
-from galewood.io.export.mjcf.solid import Solid
-from galewood.io.export.mjcf.targets import oscillators, sections
+from galewood.io.export.rigid.bodies import RigidTree, rigid_tree
+from galewood.io.export.rigid.chain import Masses, gravity, jacobian, mass_matrix, natural_modes
+from galewood.io.export.rigid.damping import FITTED_MODES, damping_ratios, hinge_damping
+from galewood.io.export.rigid.drag import drawn_areas, exposed_on_bodies, least_masses
+from galewood.io.export.rigid.fit import Chain, fitted_stiffness
+from galewood.io.export.rigid.masses import body_masses, leaf_areas, lumped, mode_inertia, node_masses
+from galewood.io.export.rigid.solid import Solid
+from galewood.io.export.rigid.targets import oscillators, sections
 from galewood.io.export.skeletal.radii import wood_vertices
 from galewood.table import Compliance, Table
 from galewood.util import Floats, Ints

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from galewood.io.export.mjcf.bodies import RigidTree
-from galewood.io.export.mjcf.chain import natural_modes
+from galewood.io.export.rigid.bodies import RigidTree
+from galewood.io.export.rigid.chain import natural_modes
 from galewood.util import Floats
 
 SHEAR_RATIO = 0.064

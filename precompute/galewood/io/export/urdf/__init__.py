@@ -1,0 +1,1 @@
+"""The rigid bodies of a tree as a robot description, URDF."""
