@@ -248,3 +248,31 @@ def test_what_is_wrong_is_said(data: bytes, message: str) -> None:
 def test_arrays_of_other_shapes_are_refused() -> None:
     with pytest.raises(MeasurementError, match="for each of the 300 times"):
         motion_record(np.arange(300) / 10, np.zeros((300, 3)))
+
+
+@pytest.mark.parametrize(
+    ("head", "factor", "says"),
+    [
+        ("time (s),x_mm", 0.05, "'x_mm' has a standard deviation of 0.0353 mm"),
+        ("time (s),sway (m)", 50.0, "in cm or mm it would be"),
+        ("time (s),strain_x (%)", 50.0, "in µε it would be"),
+        ("time (s),tilt_x (mrad)", 1e-3, "in rad it would be"),
+        ("time (s),acc_x (mg)", 0.1, "in m/s² or g it would be"),
+    ],
+)
+def test_a_unit_that_its_numbers_contradict_is_said(head: str, factor: float, says: str) -> None:
+    rows = [f"{k / RATE_HZ},{factor * sway(k):.9g}" for k in range(COUNT)]
+    found = read_motion("\n".join([head, *rows]).encode())
+    (note,) = [note for note in found.notes if "Is the unit right?" in note]
+    assert says in note
+    plausible = read_motion(FILES["sway"][0])
+    assert not any("Is the unit" in note for note in plausible.notes)
+
+
+def test_gravity_in_another_than_the_stated_unit_is_said() -> None:
+    rows = [f"{k / RATE_HZ},{0.1 * sway(k)},{0.1 * sway(k, 1)},1.01" for k in range(COUNT)]
+    found = read_motion("\n".join(["time,ax (m/s2),ay (m/s2),az (m/s2)", *rows]).encode())
+    (note,) = [note for note in found.notes if "gravity" in note]
+    assert "in g it would be" in note
+    right = read_motion("\n".join(["time,ax (g),ay (g),az (g)", *rows]).encode())
+    assert not any("Is the unit" in note for note in right.notes)

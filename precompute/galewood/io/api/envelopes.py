@@ -9,6 +9,7 @@ from pathlib import Path
 
 from galewood.check.envelope import SwayEnvelope, WindClass, wind_classes
 from galewood.check.envelope import sway_envelope as envelope_of
+from galewood.io.api.expected import expect
 from galewood.io.api.tables import MotionTable
 
 
@@ -37,8 +38,10 @@ def sway_envelope(
 
     Raises:
         ValueError: The table has no mesh, or the options are wrong.
+        TypeError: ``table`` is something else.
         MeasurementError: The winds cannot be read (a ValueError).
     """
+    expect("table", table, MotionTable)
     if (wind_m_s is None) == (winds is None):
         raise ValueError("give either wind_m_s or winds")
     classes = wind_classes(winds) if winds is not None else (WindClass(wind_m_s or 0.0, direction_deg, 1),)

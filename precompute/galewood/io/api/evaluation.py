@@ -13,6 +13,7 @@ import numpy as np
 
 from galewood.check.evaluation import GustCase, evaluate_in_gusts, evaluate_table, source_of
 from galewood.io.api.cache import default_cache_dir
+from galewood.io.api.expected import expect
 from galewood.io.api.models import pressure_at_origin
 from galewood.io.api.tables import MotionTable
 from galewood.motion.wind import Wind
@@ -49,8 +50,12 @@ def evaluate(
         the height and others (spec/formats/evaluation.md).
 
     Raises:
+        TypeError: ``table`` or a wind is something else.
         SourceError: The table's model or mesh is not available.
     """
+    expect("table", table, MotionTable)
+    for name, wind in (winds or {}).items():
+        expect(f"winds[{name!r}]", wind, Wind)
     report = on_progress or _no_progress
     cache = cache_dir or default_cache_dir()
     dt_s = float(table.metadata["dt_s"])

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from galewood.io.api.expected import expect
 from galewood.io.api.keywords import with_keywords_of
 from galewood.io.api.tables import MotionTable
 from galewood.io.export import ExportKind, ExportOptions, file_name, write_export
@@ -47,8 +48,10 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
     Raises:
         ExportError: A package or a file is missing, or the mesh is another tree's (a ValueError).
         pydantic.ValidationError: An option is unknown or out of range (a ValueError).
+        TypeError: ``table`` is something else.
         ValueError: The table has no mesh.
     """
+    expect("table", table, MotionTable)
     if table.render_glb is None:
         raise ValueError("this table has no mesh: load it with galewood.load(path, mesh=...)")
     return write_export(

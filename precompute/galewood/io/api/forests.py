@@ -12,6 +12,7 @@ from numbers import Real
 import numpy as np
 import numpy.typing as npt
 
+from galewood.io.api.expected import expect
 from galewood.io.api.tables import MotionTable
 from galewood.motion.wind import Wind, WindField
 from galewood.options import METHOD_NAMES, Method
@@ -76,10 +77,17 @@ class Forest:
             method: "modal" (the modal reduced-order model) or "paper" (the paper's state search).
 
         Raises:
+            TypeError: Tables or wind are something else.
             ValueError: There is no table, a placement names one that is not there, or the method is unknown.
         """
-        if not tables:
+        if not isinstance(tables, str) and not tables:
             raise ValueError("a forest needs at least one table")
+        if isinstance(tables, str | MotionTable):
+            expect("tables", tables, MotionTable)
+            raise TypeError("tables must be a list of tables: [table]")
+        for index, one in enumerate(tables):
+            expect(f"tables[{index}]", one, MotionTable)
+        expect("wind", wind, Wind)
         if method not in METHOD_NAMES:
             raise ValueError(f"method must be one of {', '.join(METHOD_NAMES)}, not {method!r:.40}")
         if not isinstance(placements, Placements):
@@ -107,6 +115,7 @@ class Forest:
 
     @wind.setter
     def wind(self, wind: Wind) -> None:
+        expect("wind", wind, Wind)
         self._field.change(wind, self.time_s)
 
     def step(self, dt_s: float) -> None:

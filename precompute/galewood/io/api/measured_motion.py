@@ -10,6 +10,7 @@ from typing import get_args
 
 from galewood.check.sway import Calibration, SwayAnalysis, analyse_motion, calibrated
 from galewood.check.sway import simulated_motion as motion_of_table
+from galewood.io.api.expected import expect
 from galewood.io.api.models import Model
 from galewood.io.api.tables import MotionTable
 from galewood.io.api.trees import Tree
@@ -49,8 +50,10 @@ def calibrate(
     Raises:
         MeshError: The wood cannot be meshed.
         MeasurementError: The file cannot be read (a ValueError).
+        TypeError: ``tree`` is something else.
         ValueError: The record has no resonance.
     """
+    expect("tree", tree, Tree)
     if foliage not in get_args(Foliage):
         raise ValueError(f"foliage must be one of {', '.join(get_args(Foliage))}, not {foliage!r}")
     analysis = motion if isinstance(motion, SwayAnalysis) else analyse_motion(motion)
@@ -60,6 +63,8 @@ def calibrate(
             tree, wood=one, foliage=foliage, target_tets=target_tets, settings=settings, cache_dir=cache_dir
         ).fem
 
+    if wood is not None:
+        expect("wood", wood, Wood)
     start = wood or wood_of_species(tree.species or "default")
     return calibrated(analysis, start, model_of, on_progress or (lambda share: None))
 
@@ -80,7 +85,9 @@ def simulated_motion(
 
     Raises:
         MeasurementError: The file cannot be read (a ValueError).
+        TypeError: ``table`` is something else.
         ValueError: The record has no wind.
     """
+    expect("table", table, MotionTable)
     measured = record if isinstance(record, MotionRecord) else read_motion(record)
     return motion_of_table(table.table, measured, direction_deg)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from galewood.io.api.cache import default_cache_dir
+from galewood.io.api.expected import expect
 from galewood.io.api.trees import Tree
 from galewood.motion.wind import Wind, WindField, height_factor
 from galewood.options import USUAL_TETS
@@ -62,7 +63,11 @@ class Model:
 
         Raises:
             MeshError: The wood cannot be meshed.
+            TypeError: ``tree`` or ``wood`` is something else.
         """
+        expect("tree", tree, Tree)
+        if wood is not None:
+            expect("wood", wood, Wood)
         self.tree = tree
         made = tree_model(
             tree.mesh,
@@ -108,9 +113,11 @@ class Model:
         ``on_progress`` receives the fraction done after each step; whatever it raises stops the simulation.
 
         Raises:
+            TypeError: ``wind`` is something else.
             ValueError: ``duration_s`` is shorter than a time step.
             FloatingPointError: The wind is too strong for the time step.
         """
+        expect("wind", wind, Wind)
         dt_s = self.fem.settings.dt_s
         frames = round(duration_s / dt_s)
         if frames < 1:

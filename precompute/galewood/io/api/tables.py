@@ -15,6 +15,7 @@ from pydantic import Field
 
 from galewood.formats import read_glb
 from galewood.io.api.cache import default_cache_dir
+from galewood.io.api.expected import expect
 from galewood.io.api.keywords import with_keywords_of
 from galewood.io.api.trees import Tree
 from galewood.options import TableRequest
@@ -124,8 +125,10 @@ def build(tree: Tree, options: BuildCall) -> MotionTable:
 
     Raises:
         MeshError: The wood cannot be meshed.
+        TypeError: ``tree`` is something else.
         pydantic.ValidationError: An option is unknown or out of range.
     """
+    expect("tree", tree, Tree)
     chosen = options.model_dump(exclude={"on_progress", "cache_dir"})
     result = build_tree(
         tree.mesh,
@@ -155,5 +158,6 @@ def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:
 
 
 def save(table: MotionTable, path: str | Path) -> None:
-    """Write a table, and beside it the mesh that it moves (same name, .glb)."""
+    """Write a table, and beside it the mesh that it moves (same name, .glb). TypeError for what is none."""
+    expect("table", table, MotionTable)
     table.save(path)

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import get_args
 
+from galewood.io.api.expected import expect
 from galewood.io.api.trees import Tree
 from galewood.motion.wind import PRESETS, Wind, check_direction
 from galewood.solid.strain import (
@@ -47,6 +48,7 @@ def strain(
         wood: Elastic constants and density; by default those of the tree's species.
 
     Raises:
+        TypeError: Tree, wood or wind are something else.
         ValueError: The speed is negative or not finite, or no branches were found in the wood.
         ArithmeticError: The tree has no equilibrium in this wind.
     """
@@ -82,10 +84,12 @@ def gust_strain(
         on_progress: Receives the fraction done; whatever it raises ends the calculation.
 
     Raises:
+        TypeError: Tree, wood or wind are something else.
         ValueError: The wind is still or too strong, the time is out of range, or no branches were found in
             the wood.
         ArithmeticError: The tree gives way in a gust.
     """
+    expect("wind", wind, Wind)
     rods = _rods(tree, wood, foliage)
     if wind_m_s is not None:
         wind = with_top_speed(wind, rods.height_m, wind_m_s)
@@ -114,6 +118,7 @@ def critical_wind(
         on_progress: Receives the fraction done after each sample; whatever it raises ends the calculation.
 
     Raises:
+        TypeError: Tree, wood or wind are something else.
         ValueError: No branches were found in the wood.
     """
     rods = _rods(tree, wood, foliage)
@@ -123,5 +128,8 @@ def critical_wind(
 def _rods(tree: Tree, wood: Wood | None, foliage: Foliage) -> WindRods:
     if foliage not in get_args(Foliage):
         raise ValueError(f"foliage must be one of {', '.join(get_args(Foliage))}, not {foliage!r}")
+    expect("tree", tree, Tree)
+    if wood is not None:
+        expect("wood", wood, Wood)
     wood = wood or wood_of_species(tree.species or "default")
     return wind_rods(tree.mesh, wood, leaves=foliage == "leaf")

@@ -26,6 +26,7 @@ from galewood.measurements.motion_record.columns import (
     with_units,
 )
 from galewood.measurements.motion_record.gravity import GRAVITY_UNITS, levelled
+from galewood.measurements.motion_record.plausible import gravity_doubt, unit_doubts
 from galewood.measurements.times import date_time_s
 from galewood.util import HEADER_WITHIN, Floats, Row, decoded, number_of, rows_of
 
@@ -101,7 +102,8 @@ def read_motion(
         wind = wind * SPEED_UNITS[found.wind_unit or "m/s"][0]
     motion = _level(found, values) if found.quantity == "acceleration" else _as_stated(found, values)
     record = motion_record(time_s, motion.values, quantity=found.quantity, unit=motion.unit, wind_m_s=wind)
-    return replace(record, columns=motion.meanings, notes=(*motion.notes, *_notes(found)))
+    doubts = unit_doubts([found.names[axis] for axis in found.axes], found.units, found.quantity, values)
+    return replace(record, columns=motion.meanings, notes=(*motion.notes, *doubts, *_notes(found)))
 
 
 class _Motion(NamedTuple):
@@ -129,7 +131,8 @@ def _level(columns: MotionColumns, values: Floats) -> _Motion:
     whole = _as_stated(columns, values)
     found = levelled(whole.values, [whole.unit] if whole.unit else list(GRAVITY_UNITS))
     if found is None:
-        return by_name
+        doubt = gravity_doubt(columns.units, values)
+        return by_name._replace(notes=(doubt,)) if doubt else by_name
     names, notes = [columns.names[axis] for axis in columns.axes], list[str]()
     meanings = dict(_with_axes(columns, found.kept).meanings)
     if found.vertical is None:
