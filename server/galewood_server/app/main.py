@@ -16,6 +16,7 @@ from typing import TextIO
 
 import uvicorn
 from fastapi import Depends, FastAPI
+from galewood.pipeline.results import shipped_tables
 from galewood.util import GuardedProcess
 
 from galewood_server.access import (
@@ -180,7 +181,7 @@ def _service(settings: Settings, importer: MeshImporter) -> Service:
 
 def _warm_up(service: Service) -> None:
     """Do once what the first client of a streamed forest would wait for."""
-    for file in sorted((service.settings.species_dir / "shipped").glob("*.table"))[:1]:
+    for file in list(shipped_tables(service.settings.species_dir).values())[:1]:
         table = file.read_bytes()
         warm_up(table)
         service.stores.tables.has(hashlib.sha256(table).hexdigest())  # connects to the bucket

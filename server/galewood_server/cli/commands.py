@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from galewood.interrupts import ended_by_interrupts
 from galewood.io.cli import (
     JsonOut,
     app,
@@ -36,7 +37,7 @@ def serve(
     given = {"GALEWOOD_HOST": host, "GALEWOOD_PORT": port, "GALEWOOD_DATA_DIR": data_dir}
     # children read the same settings from the environment
     os.environ.update({name: str(value) for name, value in given.items() if value is not None})
-    with needs_extras():
+    with needs_extras(), ended_by_interrupts(even_if_ignored=True):
         from galewood_server.app import create_app, run
 
         settings = read_settings()

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import os
+import sys
 
+from galewood.interrupts import ended_by_interrupts
 from galewood.threads import SINGLE_THREADED
+
+SERVING = (["serve"], ["forest"])
+"""Beginnings of the arguments with which a server starts."""
 
 
 def main() -> None:
@@ -15,7 +20,8 @@ def main() -> None:
     """
     for name, value in SINGLE_THREADED.items():
         os.environ.setdefault(name, value)
-    from galewood_server.cli.commands import app
+    with ended_by_interrupts(even_if_ignored=sys.argv[1:2] in SERVING):
+        from galewood_server.cli.commands import app
 
     app()
 

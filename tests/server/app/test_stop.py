@@ -140,5 +140,39 @@ def test_a_server_stopped_at_random_moments_leaves_no_process(tmp_path: Path) ->
         if early or how == signal.SIGKILL:  # nobody waits for its children
             wait_until(lambda server=server: not server.descendants())
         assert not server.descendants(), (number, how)
-        # Ctrl-C while Python loads modules has a traceback, as in any program
+        # Ctrl-C while Python itself starts, before the first line of a program, has a traceback
         assert early or "Traceback" not in server.log(), server.log()
+
+
+INTERRUPTED_IMPORT = """
+import os, signal, weakref
+
+class Module:
+    pass
+
+def interrupted(_):
+    os.kill(os.getpid(), signal.SIGINT)
+
+module = Module()
+kept = weakref.ref(module, interrupted)
+del module  # the callback runs, and Python only prints what it raises
+raise ImportError("the import goes on")
+"""
+
+
+@pytest.mark.parametrize("ignored", [False, True])
+@pytest.mark.parametrize("module", [FAKE_SERVER, "galewood_server.cli.main"])
+def test_an_interrupt_during_the_imports_ends_the_server(tmp_path: Path, module: str, ignored: bool) -> None:
+    """In a callback, as the locks of modules have one; and in the background of a script, whose shell ignores
+    interrupts. In both cases it was lost, and the server started."""
+    (tmp_path / "uvicorn.py").write_text(INTERRUPTED_IMPORT)
+    (tmp_path / "data").mkdir()
+    server = Server(tmp_path / "data", module, {"PYTHONPATH": str(tmp_path)})
+    own = signal.signal(signal.SIGINT, signal.SIG_IGN if ignored else signal.default_int_handler)
+    try:
+        server.launch("serve")  # it inherits what is ignored
+    finally:
+        signal.signal(signal.SIGINT, own)
+    assert server.process
+    assert server.process.wait(120) == -signal.SIGINT, server.log()
+    assert "Traceback" not in server.log(), server.log()

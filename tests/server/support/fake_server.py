@@ -5,9 +5,12 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from galewood.util import MeshError
-from galewood_server.app.main import create_app, run
-from galewood_server.settings import Settings
+from galewood.interrupts import ended_by_interrupts
+
+with ended_by_interrupts(even_if_ignored=True):  # as in `galewood serve`
+    from galewood.util import MeshError
+    from galewood_server.app.main import create_app, run
+    from galewood_server.settings import Settings
 
 if TYPE_CHECKING:  # the package loads scipy, which a fake has no use for
     from galewood.options import ImportRequest

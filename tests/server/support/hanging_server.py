@@ -5,10 +5,13 @@ from __future__ import annotations
 import time
 from typing import Any
 
-import numpy as np
-from galewood.sandbox import Arrays, Limits, run_limited
-from galewood_server.app.main import create_app, run
-from galewood_server.settings import Settings
+from galewood.interrupts import ended_by_interrupts
+
+with ended_by_interrupts(even_if_ignored=True):  # as in `galewood serve`
+    import numpy as np
+    from galewood.sandbox import Arrays, Limits, run_limited
+    from galewood_server.app.main import create_app, run
+    from galewood_server.settings import Settings
 
 
 def hang(arguments: Arrays) -> Arrays:

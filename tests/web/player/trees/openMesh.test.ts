@@ -1,11 +1,11 @@
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
-import { Mesh } from "three";
+import { type Material, Mesh, MeshStandardMaterial, type Object3D, Texture } from "three";
 import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { expect, test, vi } from "vitest";
 import { grownLeaf, pieceSize } from "../../../../web/player/src/trees/detail";
 import { openMesh } from "../../../../web/player/src/trees/mesh/openMesh";
-import { readParts } from "../../../../web/player/src/trees/mesh/treeMesh";
+import { disposeModel, readParts, type TreeModel } from "../../../../web/player/src/trees/mesh/treeMesh";
 import { goldenJson } from "../../golden";
 
 const JSON_AT = 20;
@@ -116,4 +116,57 @@ test("a mesh whose picture cannot be loaded is refused", async () => {
   expect(complaints).toHaveBeenCalled();
   vi.unstubAllGlobals();
   vi.restoreAllMocks();
+});
+
+/** The textures of a scene. */
+function texturesOf(scene: Object3D): Texture[] {
+  const found = new Set<Texture>();
+  scene.traverse((part) => {
+    if (!(part instanceof Mesh)) return;
+    for (const one of Object.values(part.material as Material)) if (one instanceof Texture) found.add(one);
+  });
+  return [...found];
+}
+
+test("pictures of their own are loaded once, and forgotten with the last tree that shows them", async () => {
+  vi.stubGlobal("self", globalThis);
+  vi.stubGlobal("createImageBitmap", () => Promise.resolve({ width: 4, height: 4, close() {} }));
+  let broken = "";
+  const fetched: string[] = [];
+  vi.stubGlobal("fetch", (input: RequestInfo | URL) => {
+    const url = input instanceof Request ? input.url : String(input);
+    fetched.push(url);
+    return url.includes(broken || "none") ? Promise.reject(new Error("no network")) : Promise.resolve(new Response(new Blob(["x"])));
+  });
+  vi.spyOn(console, "error").mockImplementation(() => {});
+  const glb = readFileSync(fileURLToPath(new URL("../../../../assets/species/light/apricot-forest.glb", import.meta.url)));
+  const open = () => openMesh(new Uint8Array(glb).buffer, "http://pictures.test/");
+  const first = await open();
+  const count = fetched.length;
+  expect(count).toBeGreaterThan(1);
+  const second = await open();
+  expect(fetched).toHaveLength(count);
+  for (const texture of texturesOf(first)) texture.dispose();
+  const third = await open();
+  expect(fetched).toHaveLength(count); // the second shows them still
+  for (const scene of [second, third]) for (const texture of texturesOf(scene)) texture.dispose();
+  const fourth = await open();
+  expect(fetched).toHaveLength(2 * count);
+  for (const texture of texturesOf(fourth)) texture.dispose();
+  // a mesh that is refused keeps none of the pictures that could be loaded
+  [broken] = [fetched[0].slice(fetched[0].lastIndexOf("/"))];
+  await expect(open()).rejects.toThrow(/no picture/);
+  broken = "";
+  await open();
+  expect(fetched).toHaveLength(4 * count);
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+});
+
+test("a model that is disposed of disposes of all its textures", () => {
+  const textures = { map: new Texture(), normalMap: new Texture(), roughnessMap: new Texture(), aoMap: new Texture() };
+  const freed = vi.fn();
+  for (const texture of Object.values(textures)) texture.addEventListener("dispose", freed);
+  disposeModel({ parts: [{ material: new MeshStandardMaterial(textures) }] } as unknown as TreeModel);
+  expect(freed).toHaveBeenCalledTimes(4);
 });

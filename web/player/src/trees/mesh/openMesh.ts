@@ -3,27 +3,60 @@ import { type ImageBitmapLoader, type Material, Mesh, type Object3D, Texture } f
 import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { GLTFLoader, type GLTFParser } from "three/addons/loaders/GLTFLoader.js";
 
+/** A picture, and the textures that show it. */
+interface Picture {
+  bitmap: Promise<ImageBitmap>;
+  shownBy: Set<Texture>;
+}
+
 /**
- * Pictures by their address, loaded once for all meshes. A cache of its own: unlike whole files (`Forest`, `TableStore`),
- * pictures are asked for by three.js while it reads a mesh, and meshes of several forests share them.
+ * Pictures by their address, loaded once for all meshes, until the last texture that shows one is disposed of. A cache of its own:
+ * unlike whole files (`Forest`, `TableStore`), pictures are asked for by three.js while it reads a mesh, and meshes of several
+ * forests share them.
  */
-const pictures = new Map<string, Promise<ImageBitmap>>();
+const pictures = new Map<string, Picture>();
+/** The address that a picture came from. */
+const addresses = new WeakMap<ImageBitmap, string>();
 /** Colours as they are in the file. */
 const AS_STORED: ImageBitmapOptions = { premultiplyAlpha: "none", colorSpaceConversion: "none" };
 /** Pictures as the graphics card keeps them, once for all textures. */
 const sources = new WeakMap<ImageBitmap, Texture["source"]>();
 
-/** The same loader, which loads every picture once. */
-function sharing(inner: ImageBitmapLoader): ImageBitmapLoader {
+/** The same loader, which loads every picture once; `asked` receives the addresses of those that it keeps. */
+function sharing(inner: ImageBitmapLoader, asked: Set<string>): ImageBitmapLoader {
   const load: ImageBitmapLoader["load"] = (url, done, _, failed) => {
-    const picture = pictures.get(url) ?? inner.loadAsync(url);
-    if (url.startsWith("http")) pictures.set(url, picture);
-    picture.then(done, (error: unknown) => {
-      pictures.delete(url);
+    const picture = pictures.get(url) ?? { bitmap: inner.loadAsync(url), shownBy: new Set<Texture>() };
+    if (url.startsWith("http")) {
+      pictures.set(url, picture);
+      asked.add(url);
+    }
+    const shown = (bitmap: ImageBitmap) => {
+      if (asked.has(url)) addresses.set(bitmap, url);
+      done?.(bitmap);
+    };
+    picture.bitmap.then(shown, (error: unknown) => {
+      if (pictures.get(url) === picture) pictures.delete(url);
       failed?.(error);
     });
   };
   return Object.assign(Object.create(inner), { load });
+}
+
+/** Forgets a picture that no texture shows; what is drawn again keeps its own reference to the bitmap. */
+function forgetUnshown(url: string): void {
+  if (pictures.get(url)?.shownBy.size === 0) pictures.delete(url);
+}
+
+/** Keeps the picture of a texture until the texture is disposed of. */
+function keepPicture(texture: Texture, image: ImageBitmap): void {
+  const url = addresses.get(image);
+  const picture = url === undefined ? undefined : pictures.get(url);
+  if (url === undefined || !picture || picture.shownBy.has(texture)) return;
+  picture.shownBy.add(texture);
+  texture.addEventListener("dispose", () => {
+    picture.shownBy.delete(texture);
+    forgetUnshown(url);
+  });
 }
 
 /**
@@ -57,11 +90,12 @@ function decoding(parser: GLTFParser): string[] {
 
 /** The same picture in two textures is kept once. */
 function share(material: Material): void {
-  for (const texture of Object.values(material) as (Partial<Texture> | null)[]) {
-    if (!texture?.source) continue;
+  for (const texture of Object.values(material)) {
+    if (!(texture instanceof Texture)) continue;
     const image = texture.source.data as ImageBitmap;
     texture.source = sources.get(image) ?? texture.source;
     sources.set(image, texture.source);
+    keepPicture(texture, image);
   }
 }
 
@@ -77,16 +111,21 @@ function explained(error: unknown): never {
  */
 export async function openMesh(bytes: ArrayBuffer, base = ""): Promise<Object3D> {
   let missing: string[] = [];
+  const asked = new Set<string>();
   const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register((parser) => {
     const inner = parser.textureLoader;
-    if ("isImageBitmapLoader" in inner) parser.textureLoader = sharing(inner);
+    if ("isImageBitmapLoader" in inner) parser.textureLoader = sharing(inner, asked);
     missing = decoding(parser);
     return { name: "pictures" };
   });
-  const { scene } = await loader.parseAsync(bytes, base).catch(explained);
-  if (missing[0]) throw new Error(`no picture ${missing[0]}`);
-  scene.traverse((object) => {
-    if (object instanceof Mesh) share(object.material as Material);
-  });
-  return scene;
+  try {
+    const { scene } = await loader.parseAsync(bytes, base).catch(explained);
+    if (missing[0]) throw new Error(`no picture ${missing[0]}`);
+    scene.traverse((object) => {
+      if (object instanceof Mesh) share(object.material as Material);
+    });
+    return scene;
+  } finally {
+    asked.forEach(forgetUnshown);
+  }
 }

@@ -6,6 +6,7 @@ import {
   Mesh,
   type MeshStandardMaterial,
   type Object3D,
+  Texture,
   Vector3,
 } from "three";
 import { hashUnit } from "../../core/math/random";
@@ -212,7 +213,7 @@ export function readPlainTree(scene: Object3D): TreeModel {
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */
 export function disposeModel({ parts, near }: TreeModel): void {
   for (const { material } of [...parts, ...near.map(({ part }) => part)]) {
-    for (const texture of [material.map, material.normalMap]) texture?.dispose();
+    for (const one of Object.values(material)) if (one instanceof Texture) one.dispose();
     material.dispose();
   }
 }
