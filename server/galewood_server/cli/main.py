@@ -8,7 +8,7 @@ import sys
 from galewood.interrupts import ended_by_interrupts
 from galewood.threads import SINGLE_THREADED
 
-SERVING = (["serve"], ["forest"])
+SERVING_COMMANDS = (["serve"], ["forest"])
 """Beginnings of the arguments with which a server starts."""
 
 
@@ -20,7 +20,7 @@ def main() -> None:
     """
     for name, value in SINGLE_THREADED.items():
         os.environ.setdefault(name, value)
-    with ended_by_interrupts(even_if_ignored=sys.argv[1:2] in SERVING):
+    with ended_by_interrupts(even_if_ignored=sys.argv[1:2] in SERVING_COMMANDS):
         from galewood_server.cli.commands import app
 
     app()
