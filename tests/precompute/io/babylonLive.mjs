@@ -2,7 +2,8 @@
  * Plays an exported GLB in Babylon.js without a browser: node babylonLive.mjs FILE.glb REQUEST.json
  *
  * The request holds `frame_s`, `winds` ([x, z] of every frame, m/s; none: the wind of the file), `frames`, and `vertices` of the
- * first mesh whose places are wanted. Prints the weights of every frame by mesh, these places at the last frame, and the time taken.
+ * first mesh whose places are wanted, with `tracked` at every frame. Prints the weights of every frame by mesh, these places (at the
+ * last frame, or `track` of all), and the time taken.
  */
 import { readFileSync } from "node:fs";
 import { NullEngine } from "@babylonjs/core/Engines/nullEngine.js";
@@ -14,7 +15,7 @@ import { GetKHRInteractivityImportResult } from "@babylonjs/loaders/glTF/2.0/Ext
 import "@babylonjs/loaders/glTF/2.0/index.js";
 
 const [file, request] = process.argv.slice(2);
-const { frame_s, frames, winds, vertices, event } = JSON.parse(readFileSync(request, "utf8"));
+const { frame_s, frames, winds, vertices, event, tracked } = JSON.parse(readFileSync(request, "utf8"));
 
 const engine = new NullEngine({ renderWidth: 64, renderHeight: 64, textureSize: 64, deterministicLockstep: false });
 engine.getDeltaTime = () => 1000 * frame_s;
@@ -30,7 +31,14 @@ const meshes = container.meshes.filter((mesh) => mesh.morphTargetManager);
 const weightsOf = ({ morphTargetManager }) =>
   Array.from({ length: morphTargetManager.numTargets }, (_, k) => morphTargetManager.getTarget(k).influence);
 
+const [mesh] = meshes;
+const placesNow = () => {
+  const places = mesh.getPositionData(false, true);
+  return vertices.map((vertex) => Array.from(places.slice(3 * vertex, 3 * vertex + 3)));
+};
+
 const told = [];
+const track = [];
 const begin_ms = performance.now();
 for (let frame = 0; frame < frames; frame++) {
   if (winds && event) {
@@ -41,15 +49,15 @@ for (let frame = 0; frame < frames; frame++) {
   }
   scene.render();
   told.push(meshes.map(weightsOf));
+  if (tracked) track.push(placesNow());
 }
 const milliseconds = performance.now() - begin_ms;
-const [mesh] = meshes;
-const places = mesh.getPositionData(false, true);
 console.log(
   JSON.stringify({
     playing: container.animationGroups.filter((group) => group.isPlaying).length,
     weights: told,
-    places: vertices.map((vertex) => Array.from(places.slice(3 * vertex, 3 * vertex + 3))),
+    places: placesNow(),
+    track,
     milliseconds,
   }),
 );
