@@ -74,7 +74,8 @@ float texels = max(length(dFdx(vPlant) * size), length(dFdy(vPlant) * size));
 // Mip levels reduce the coverage: restore it.
 if (plant.a * (1.0 + 0.05 * max(0.0, log2(texels))) < 0.42) discard;
 vec3 own = plant.rgb / max(plant.a, 0.15);
-if (uBare > 0.5 && own.g < 0.3) discard; // the leaves have fallen
+// The leaves have fallen; mip levels mix the twigs with them, so that less wood is a twig far away.
+if (uBare > 0.5 && own.g < 0.3 / (1.0 + 0.6 * max(0.0, log2(texels)))) discard;
 `;
 
 export const SHADOW_GLSL = `#ifdef LEAFY\n${CUT_GLSL}#endif\n`;
