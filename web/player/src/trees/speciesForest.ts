@@ -99,7 +99,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   }
 
   private makeParts(): OwnPart[] {
-    const { parts: read, added, bare, near } = this.model;
+    const { parts: read, added } = this.model;
     let firstVertex = 0;
     const parts = read.map((part) => {
       const own = this.ownPart(part, firstVertex, firstVertex);
@@ -109,6 +109,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     const held = ({ part, of }: AddedPart) => this.ownPart(part, parts[of].firstVertex, ADDED_PART);
     const always = [...parts, ...added.map(held)];
     if (!this.options.fine) return always;
+    const { bare, near } = this.model; // made now
     const inLeaf = near.map((one): OwnPart => ({ ...held(one), season: "leafy", near: true }));
     return [...always, ...inLeaf, ...bare.map((one): OwnPart => ({ ...held(one), season: "bare" }))];
   }

@@ -13,7 +13,7 @@ import {
   type TreeModel,
   type TreePart,
 } from "galewood/trees";
-import { BufferAttribute, BufferGeometry, type Texture } from "three";
+import { BufferAttribute, BufferGeometry, type MeshStandardMaterial, type Texture } from "three";
 import { bareShoots, type CardMesh } from "./bareShoots";
 import { leafSprays, SPRAY_VERTICES, type SprayMesh } from "./leafSprays";
 import { limbKeysOf, pieceKeys } from "./limbKeys";
@@ -131,7 +131,7 @@ const barePartsOf = (read: readonly ReadPart[]): AddedPart[] =>
   });
 
 /** Sprays in place of leaf cards, and the shoots that bear them. */
-function nearPartsOf(read: readonly ReadPart[], picture: Texture): AddedPart[] {
+function nearPartsOf(read: readonly ReadPart[], material: MeshStandardMaterial): AddedPart[] {
   const rankOf =
     ({ part }: ReadPart) =>
     (_: number, card: number) =>
@@ -141,8 +141,6 @@ function nearPartsOf(read: readonly ReadPart[], picture: Texture): AddedPart[] {
   );
   const sprays = read.flatMap((leaves, of): AddedPart[] => {
     if (leaves.part.kind !== "leaves") return [];
-    const material = leaves.part.material.clone();
-    material.map = picture;
     const mesh = leafSprays(cardMesh(leaves));
     const { colour, normal } = leaves.part;
     const look = { kind: "leaves", material, uv: new BufferAttribute(mesh.uvs, 2), colour: null } as const;
@@ -151,6 +149,13 @@ function nearPartsOf(read: readonly ReadPart[], picture: Texture): AddedPart[] {
     return [{ part: { ...part, colour: colour && ofCards(colour, mesh.card) }, of }];
   });
   return [...stems, ...sprays];
+}
+
+/** The material of the leaves with another picture; null for a tree without leaves. */
+function spraysMaterial(parts: readonly TreePart[], picture: Texture): MeshStandardMaterial | null {
+  const material = parts.find(({ kind }) => kind === "leaves")?.material.clone() ?? null;
+  if (material) material.map = picture;
+  return material;
 }
 
 const sprayNumber = (vertex: number) => hashUnit(Math.floor(vertex / SPRAY_VERTICES), 3);
@@ -224,15 +229,22 @@ function flareOf(read: readonly ReadPart[]): AddedPart[] {
 export function readTreeModel({ scene, sprays }: OpenedTree, varied = false): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
   if (varied) assignKeys(read);
+  const parts = read.map(({ part }) => part);
+  const ofSprays = sprays && spraysMaterial(parts, sprays);
   let bareParts: AddedPart[] | null = null;
+  let nearParts: AddedPart[] | null = null;
   return {
-    parts: read.map(({ part }) => part),
+    parts,
+    materials: [...parts.map(({ material }) => material), ...(ofSprays ? [ofSprays] : [])],
     get bare() {
       bareParts ??= barePartsOf(read);
       return bareParts;
     },
     added: varied ? flareOf(read) : [],
-    near: sprays ? nearPartsOf(read, sprays) : [],
+    get near() {
+      nearParts ??= ofSprays ? nearPartsOf(read, ofSprays) : [];
+      return nearParts;
+    },
     leans: varied,
     height_m,
     radius_m,

@@ -54,9 +54,11 @@ export interface TreeModel {
   readonly added: readonly AddedPart[];
   /**
    * Drawn of trees near the eye, which show a share of pieces above 1: what has a rank from `NEAR_RANK` on appears, and leaves
-   * disappear in the same order.
+   * disappear in the same order. Made when first asked for, like `bare`.
    */
   readonly near: readonly AddedPart[];
+  /** Those of all parts. */
+  readonly materials: readonly MeshStandardMaterial[];
   /** Whether each tree has a lean of its own (lean.ts). */
   readonly leans: boolean;
   readonly height_m: number;
@@ -199,8 +201,10 @@ export function readParts(scene: Object3D): { read: ReadPart[]; height_m: number
 /** Reads an opened GLB: complete trees, without shoots in place of leaves. */
 export function readPlainTree(scene: Object3D): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
+  const parts = read.map(({ part }) => part);
   return {
-    parts: read.map(({ part }) => part),
+    parts,
+    materials: parts.map(({ material }) => material),
     bare: [],
     added: [],
     near: [],
@@ -211,8 +215,8 @@ export function readPlainTree(scene: Object3D): TreeModel {
 }
 
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */
-export function disposeModel({ parts, near }: TreeModel): void {
-  for (const { material } of [...parts, ...near.map(({ part }) => part)]) {
+export function disposeModel({ materials }: TreeModel): void {
+  for (const material of materials) {
     for (const one of Object.values(material)) if (one instanceof Texture) one.dispose();
     material.dispose();
   }
