@@ -78,7 +78,7 @@ async def get_export(
 ) -> Response:
     """A tree that sways, by default in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB),
     `pivots` (for Unreal), `usd`, `glb` (morph targets), `live` (morph targets that the file itself moves),
-    and, without a loop, `mjcf` (rigid bodies for MuJoCo) and `urdf` (for simulators of robots). The first
+    and, without a loop, `mjcf` (rigid bodies for MuJoCo) and `urdf` (for robot simulators). The first
     request for it takes some seconds."""
     options = query.options()
     source = await asyncio.to_thread(_source, service, tree_id, options.name)

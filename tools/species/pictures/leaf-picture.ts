@@ -1,3 +1,4 @@
+import { SPRAY_SHARE, SPRAY_TILES } from "../../../web/src/scene/treeModel/sprayTiles";
 import { type Random, seededRandom } from "../random";
 import type { LeafLook } from "./leaf-look";
 import { insideLeaf, type LeafPoint } from "./outline";
@@ -31,13 +32,10 @@ const CARDS: Sheet = {
   grow: (look, palette, random) => leafy(growShoots(random), look, palette, random),
 };
 const SPRAYS: Sheet = {
-  columns: 4,
-  rows: 2,
+  ...SPRAY_TILES,
   tile_px: 384,
   grow: (look, palette, random) => fitted(look, leafy(growTip(random), look, palette, random)),
 };
-/** Side of a spray relative to the card of which it is a part. */
-const SPRAY_SHARE = 0.6;
 const LEAVES_PER_SPRAY = 6;
 
 /** Four different shoots in a 2 × 2 atlas of 1024 pixels. */
@@ -45,7 +43,7 @@ export function leafPicture(look: LeafLook, seed: number): Picture {
   return drawSheet(CARDS, look, seed);
 }
 
-/** Eight different ends of shoots, with leaves of the size that they have on a card, in a 4 × 2 atlas. */
+/** Eight different ends of shoots, with leaves of the size that they have on a card, in one atlas. */
 export function sprayPicture(look: LeafLook, seed: number): Picture {
   const larger = { ...look, length: look.length / SPRAY_SHARE, leavesPerCard: LEAVES_PER_SPRAY };
   return drawSheet(SPRAYS, larger, seed + 1);

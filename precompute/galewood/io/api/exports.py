@@ -31,7 +31,7 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
         options: As keywords. ``to``: what to write, "vat" (vertex animation textures), "bones" (a rigged
             GLB), "pivots" (for Unreal), "usd", "glb" (morph targets), "live" (morph
             targets that the file itself moves, in any wind), "mjcf" (rigid bodies for MuJoCo) or "urdf"
-            (for simulators of robots), which ignore wind and loop. ``out``: folder to write, created if
+            (for robot simulators), which ignore wind and loop. ``out``: folder to write, created if
             needed. ``name``: name of the files and of what is in them, by default that of the table's file.
             ``wind``: by default one of 8 m/s. ``winds``: several by name, {"calm":
             galewood.PRESETS["breeze"], …}: a clip for each, of "bones" and "pivots". ``seconds``: length of

@@ -1,11 +1,12 @@
 /**
  * The sprays of a built-in tree: near the eye, each leaf card, the picture of a whole shoot, gives way to six bent sprays along
- * that shoot, each with a few leaves of its own. They fill the volume around the card, so that no view shows it edge-on. Made in
- * the browser, because they follow from the cards. Pure.
+ * that shoot, each with a few leaves of its own. They fill the volume around the card, so that hardly a view shows them all edge-on.
+ * Made in the browser, because they follow from the cards. Pure.
  */
 import { hashUnit } from "galewood/random";
 import { type CardMesh, type Shoot, shootOf } from "./bareShoots";
 import { between, cross, dot, minus, type Point, plus, pointAlong, unit } from "./points";
+import { SPRAY_SHARE, SPRAY_TILES } from "./sprayTiles";
 
 export interface SprayMesh {
   readonly positions: Float32Array;
@@ -21,8 +22,6 @@ export interface SprayMesh {
 /** Sprays of a card: along the shoot, to both sides in turn, and the last one at its tip. */
 const FEET_SHARES = [0.03, 0.16, 0.29, 0.41, 0.5, 0.42] as const;
 export const SPRAYS_PER_CARD = FEET_SHARES.length;
-/** Length of a spray relative to the card; as in the generator, which draws its leaves in the same proportion. */
-const SPRAY_SHARE = 0.6;
 /** Angle to the shoot, and how far a spray turns out of the plane of the card and about its own axis, rad. */
 const SIDE_RAD = 0.85;
 const TIP_RAD = 0.15;
@@ -31,9 +30,6 @@ const ROLL_RAD = 0.8;
 /** A spray arches: its middle rises and its tip hangs, relative to its length. */
 const ARCH_SHARE = 0.07;
 const HANG_SHARE = 0.13;
-/** Tiles of the picture. */
-const TILE_COLUMNS = 4;
-const TILE_ROWS = 2;
 /** Rows of vertices along a spray, two in each. */
 const ROW_COUNT = 3;
 export const SPRAY_VERTICES = 2 * ROW_COUNT;
@@ -85,9 +81,10 @@ function put(to: Float32Array, vertex: number, [x, y, z]: Point): void {
 function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): void {
   const { foot, axis, facing, length } = spray;
   const across = cross(axis, facing);
-  const tile = Math.floor(hashUnit(number, 5) * TILE_COLUMNS * TILE_ROWS);
+  const { columns, rows } = SPRAY_TILES;
+  const tile = Math.floor(hashUnit(number, 5) * columns * rows);
   const mirrored = hashUnit(number, 6) < 0.5;
-  const [column, row] = [tile % TILE_COLUMNS, Math.floor(tile / TILE_COLUMNS)];
+  const [column, row] = [tile % columns, Math.floor(tile / columns)];
   const base = number * SPRAY_VERTICES;
   for (let r = 0; r < ROW_COUNT; r++) {
     const v = r / (ROW_COUNT - 1);
@@ -99,8 +96,8 @@ function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): 
       put(mesh.positions, vertex, plus(middle, across, (u - 0.5) * length));
       put(mesh.normals, vertex, normal);
       put(mesh.bases, vertex, foot);
-      mesh.uvs[2 * vertex] = (column + (mirrored ? 1 - u : u)) / TILE_COLUMNS;
-      mesh.uvs[2 * vertex + 1] = (row + 1 - v) / TILE_ROWS;
+      mesh.uvs[2 * vertex] = (column + (mirrored ? 1 - u : u)) / columns;
+      mesh.uvs[2 * vertex + 1] = (row + 1 - v) / rows;
       mesh.card[vertex] = card;
     }
   }

@@ -8,7 +8,7 @@ export interface OpenedTree {
   readonly sprays: Texture | null;
 }
 
-/** The pictures of the built-in species by their address, which the forms of a species share. */
+/** The pictures of the built-in species by their address, which the forms of a species share until one is disposed of. */
 const pictures = new Map<string, Promise<Texture>>();
 
 async function load(url: string): Promise<Texture> {
@@ -18,6 +18,7 @@ async function load(url: string): Promise<Texture> {
   texture.flipY = false; // as in glTF
   texture.colorSpace = SRGBColorSpace;
   texture.needsUpdate = true;
+  texture.addEventListener("dispose", () => pictures.delete(url));
   return texture;
 }
 

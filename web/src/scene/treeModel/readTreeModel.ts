@@ -15,7 +15,7 @@ import {
 } from "galewood/trees";
 import { BufferAttribute, BufferGeometry, type MeshStandardMaterial, type Texture } from "three";
 import { bareShoots, type CardMesh } from "./bareShoots";
-import { leafSprays, SPRAY_VERTICES, type SprayMesh } from "./leafSprays";
+import { leafSprays, SPRAY_VERTICES } from "./leafSprays";
 import { limbKeysOf, pieceKeys } from "./limbKeys";
 import { meanColour } from "./meanColour";
 import type { OpenedTree } from "./openTree";
@@ -75,7 +75,7 @@ function partOfCards(
   { part }: ReadPart,
   { positions, normals, index, card, bases }: OfCards,
   look: Pick<TreePart, "kind" | "material" | "uv" | "colour">,
-  rankOf: (vertex: number, card: number) => number,
+  rankOf: RankOf,
   numberOf: (vertex: number, card: number) => number = (_, v) => part.piece.getX(v),
 ): TreePart {
   const vertices = card.length;
@@ -108,45 +108,53 @@ const cardMesh = ({ part, geometry }: ReadPart): CardMesh => ({
   first: cardsOf(geometry.pieces),
 });
 
-/** Of each part of leaves, something in the colour of the twigs; nothing for trees without drawn twigs. */
+type RankOf = (vertex: number, card: number) => number;
+
+/** A part of wood in the colour of the twigs for each part of leaves; none for trees without drawn twigs. */
 function twiggy(
   read: readonly ReadPart[],
-  make: (leaves: ReadPart, twigs: Pick<TreePart, "kind" | "material" | "uv">) => TreePart,
+  meshOf: (leaves: ReadPart) => OfCards & { rankOf: RankOf },
 ): AddedPart[] {
   const twigs = read.find(({ geometry }) => geometry.kind === "twigs")?.part;
   if (!twigs) return [];
-  const { material } = twigs;
   return read.flatMap((leaves, of): AddedPart[] => {
     if (leaves.part.kind !== "leaves") return [];
-    const part = make(leaves, { kind: "wood", material, uv: null });
-    return [{ part: { ...part, colour: evenColour(twigs.colour, part.vertices) }, of }];
+    const { rankOf, ...mesh } = meshOf(leaves);
+    const colour = evenColour(twigs.colour, mesh.card.length);
+    const look = { kind: "wood", material: twigs.material, uv: null, colour } as const;
+    return [{ part: partOfCards(leaves, mesh, look, rankOf), of }];
   });
 }
 
 /** Shoots in place of leaf cards. */
 const barePartsOf = (read: readonly ReadPart[]): AddedPart[] =>
-  twiggy(read, (leaves, look) => {
-    const shoots = bareShoots(cardMesh(leaves));
-    return partOfCards(leaves, shoots, { ...look, colour: null }, (k) => shoots.ranks[k]);
+  twiggy(read, (leaves) => {
+    const { ranks, ...shoots } = bareShoots(cardMesh(leaves));
+    return { ...shoots, rankOf: (vertex) => ranks[vertex] };
   });
 
 /** Sprays in place of leaf cards, and the shoots that bear them. */
 function nearPartsOf(read: readonly ReadPart[], material: MeshStandardMaterial): AddedPart[] {
-  const rankOf =
-    ({ part }: ReadPart) =>
-    (_: number, card: number) =>
+  const ranksOf =
+    ({ part }: ReadPart): RankOf =>
+    (_, card) =>
       nearRank(part.piece.getW(card));
-  const stems = twiggy(read, (leaves, look) =>
-    partOfCards(leaves, bareShoots(cardMesh(leaves), 1), { ...look, colour: null }, rankOf(leaves)),
-  );
+  const stems = twiggy(read, (leaves) => {
+    const { ranks: _, ...shoots } = bareShoots(cardMesh(leaves), 1);
+    return { ...shoots, rankOf: ranksOf(leaves) };
+  });
   const sprays = read.flatMap((leaves, of): AddedPart[] => {
     if (leaves.part.kind !== "leaves") return [];
-    const mesh = leafSprays(cardMesh(leaves));
+    const { uvs, ...mesh } = leafSprays(cardMesh(leaves));
     const { colour, normal } = leaves.part;
-    const look = { kind: "leaves", material, uv: new BufferAttribute(mesh.uvs, 2), colour: null } as const;
+    const look = {
+      kind: "leaves",
+      material,
+      uv: new BufferAttribute(uvs, 2),
+      colour: colour && ofCards(colour, mesh.card),
+    } as const;
     const normals = crownNormals(mesh, normal);
-    const part = partOfCards(leaves, { ...mesh, normals }, look, rankOf(leaves), sprayNumber);
-    return [{ part: { ...part, colour: colour && ofCards(colour, mesh.card) }, of }];
+    return [{ part: partOfCards(leaves, { ...mesh, normals }, look, ranksOf(leaves), sprayNumber), of }];
   });
   return [...stems, ...sprays];
 }
@@ -174,7 +182,7 @@ function ofCards(values: BufferAttribute, card: Uint32Array): BufferAttribute {
 const OWN_NORMAL_WEIGHT = 0.5;
 
 /** Normals between those of the sprays and that of the crown, towards whose side they face. */
-function crownNormals({ normals, card }: SprayMesh, crown: BufferAttribute): Float32Array {
+function crownNormals({ normals, card }: OfCards, crown: BufferAttribute): Float32Array {
   const mixed = new Float32Array(normals.length);
   card.forEach((v, k) => {
     const round: Point = [crown.getX(v), crown.getY(v), crown.getZ(v)];

@@ -1,1 +1,1 @@
-"""A tree as rigid bodies on elastic hinges, fitted to the finite elements: what simulators of robots read."""
+"""A tree as rigid bodies on elastic hinges, fitted to the finite elements: what robot simulators read."""

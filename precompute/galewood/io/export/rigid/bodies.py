@@ -83,7 +83,7 @@ def rigid_tree(table: Table, rest_m: Floats, most: int) -> RigidTree:
 
 
 def upright(vectors: Floats) -> Floats:
-    """Vectors (…, 3) of the table (y up) with z up, as simulators of robots have it."""
+    """Vectors (…, 3) of the table (y up) with z up, as robot simulators have it."""
     return np.stack([vectors[..., 0], -vectors[..., 2], vectors[..., 1]], axis=-1)
 
 

@@ -1,4 +1,4 @@
-"""How the primitives of a drawn mesh look: colour and picture, as simulators of robots take them."""
+"""How the primitives of a drawn mesh look: colour and picture, as robot simulators take them."""
 
 from __future__ import annotations
 
