@@ -2,7 +2,7 @@
 
 Run from the repository: ``python docs/examples/accuracy.py docs/physics.md data/cache build/accuracy``, with
 the names of trees to evaluate only these. The last folder keeps the report of each tree; one with a report is
-not evaluated again. Takes minutes per tree.
+not evaluated again, and one without keeps its lines in the page. Takes minutes per tree.
 """
 
 import json
@@ -57,7 +57,21 @@ def rows_of(name: str, report: dict[str, Any]) -> list[str]:
     return lines
 
 
+def lines_by_tree(table: str) -> dict[str, list[str]]:
+    """The lines of the present table by tree, each of which has several."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for line in table.strip().splitlines()[2:]:
+        name = line.split("|")[1].strip() or name
+        found.setdefault(name, []).append(line)
+    return found
+
+
 page, cache, reports = (Path(argument) for argument in sys.argv[1:4])
+text = page.read_text(encoding="utf-8")
+before, rest = text.split(BEGIN)
+present, after = rest.split(END)
+known = lines_by_tree(present)
 names, lines = sys.argv[4:], [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
 for tree in builtin_meshes(species_folder()):
     report = reports / f"{tree.name}.json"
@@ -67,8 +81,6 @@ for tree in builtin_meshes(species_folder()):
         lines += rows_of(tree.name, json.loads(report.read_text()))
         print("\n".join(lines[-len(GUSTS) :]), flush=True)
     else:
-        lines.append(f"| {tree.name} | to be measured |" + " |" * (len(HEAD) - 2))
-text = page.read_text(encoding="utf-8")
-before, rest = text.split(BEGIN)
+        lines += known.get(tree.name, [f"| {tree.name} | to be measured |" + " |" * (len(HEAD) - 2)])
 table = "\n".join(lines)
-page.write_text(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+page.write_text(f"{before}{BEGIN}\n{table}\n{END}{after}", encoding="utf-8")

@@ -16,6 +16,12 @@ SPECIES_NAMES = {
     "birch": r"birch|betula|birke|bouleau",
     "oak": r"\boaks?\b|quercus|(?<![a-z])eiche|ch[êe]ne",
     "plane": r"platan(?!o[iï]d)|plane ?tree",
+    "beech": r"\bbeech|fagus|(?<![a-z])(?:rot)?buche|\bh[êe]tre",
+    "spruce": r"\bspruce|picea|fichte|[ée]pic[ée]a",
+    "pine": r"\bpines?\b|\bpinus|kiefer\b|\bpin sylvestre",
+    "larch": r"\blarch|larix|\bl[äa]rche|m[ée]l[èe]ze",
+    "willow": r"willow|\bsalix|(?<![a-z])weide|\bsaule",
+    "conifer": r"conifer|\bfirs?\b|\babies\b|(?<![a-z])tanne|douglas|\bcedar",
 }
 """Patterns of names in which spaces separate words (`spaced_name`), in the order in which they are tried."""
 

@@ -14,6 +14,10 @@ Sources, by the tag in each entry:
 - ``Wytham``: the wood of the measured trees of Wytham Woods (Jackson and others, doi
   10.1016/j.agrformet.2018.11.014), quoted from a compilation; unchecked.
 - ``oak drag``: wind drag of an open-grown oak through the seasons (doi 10.1093/aob/cpz026, abstract).
+- ``fgr``: parameters of species of the wind-risk model ForestGALES, in its R package fgr
+  (github.com/tom-locatelli/fgr, ``ud_species_parameters``): E and modulus of rupture of green wood, density
+  of stems with bark, and n in the drag area ∝ U^-n of crowns in a wind tunnel: the exponent is 2 − n.
+- ``CWT``: properties of black willow in a leaflet of the Center for Wood Anatomy Research (docslib.org).
 - ``WH21``: the 2021 edition, FPL-GTR-282, tables 4-1 (moisture of green wood) and 5-3a (static bending), from
   a transcript of the rows for white ash and white oak.
 
@@ -25,9 +29,9 @@ Douglas-fir, interior south 47 MPa (``engdb``), black cherry 8,000 psi (``AHEC``
 is quoted from memory, unchecked.
 
 Values without a second source are marked "unchecked" in the entry: the ratios of cottonwood and black cherry,
-those of ash, birch and oak, and all constants of plane. Unchecked ratios of ash, birch, oak and plane are
-quoted from memory, with no copy of the handbook at hand to compare them with; their ν_TT is the geometric
-mean of ν_RT and ν_TR. The influence of
+those of ash, birch, oak, beech, spruce, pine and larch, and all constants of plane. Unchecked ratios of ash,
+birch, oak, beech, spruce, pine, larch and plane are quoted from memory, with no copy of the handbook at hand
+to compare them with; their ν_TT is the geometric mean of ν_RT and ν_TR. The influence of
 the ratios is small: changing the transverse stiffness by 30 % changes the first ten frequencies by at most
 1.6 %, changing the shear stiffness by 30 % by 2 to 10 % (docs/physics.md). The handbook's bending moduli
 include some shear deflection; it recommends adding 10 % to obtain the true E_L. This is not done here,
@@ -51,6 +55,7 @@ class Wood:
 
     ``streamlined_exponent`` is that of a tree in leaf: its wind load grows with this power of the wind speed
     above 5 m/s. Bare trees have ``BARE_EXPONENT``. ``modulus_of_rupture_pa`` is the bending strength.
+    ``evergreen`` trees keep their leaves or needles in winter and are never bare.
     """
 
     name: str
@@ -67,6 +72,7 @@ class Wood:
     drag_coefficient: float
     source: str
     streamlined_exponent: float = LEAF_EXPONENT
+    evergreen: bool = False
 
     def __post_init__(self) -> None:
         positive = (
@@ -192,6 +198,76 @@ SPECIES: dict[str, Wood] = {
             drag_coefficient=0.45,
             source="Douglas-fir, interior south: E green, ratios (WH 5-1 to 5-3, engdb); density green "
             "43 lb/ft³ (Oregon State University, table of working properties)",
+            evergreen=True,
+        ),
+        Wood(
+            name="spruce",
+            young_longitudinal_pa=6.3e9,
+            radial_ratio=0.128,
+            tangential_ratio=0.059,
+            shear_lr_ratio=0.124,
+            shear_lt_ratio=0.120,
+            poisson_longitudinal=0.44,
+            poisson_transverse=0.36,
+            density_kg_m3=850.0,
+            modulus_of_rupture_pa=36e6,
+            damping_ratio=0.04,
+            drag_coefficient=0.45,
+            source="Norway spruce grown in Britain: E, strength and density green, drag of the crown as "
+            "U^1.49 (fgr); ratios of Engelmann spruce (WH 5-1, 5-2, unchecked)",
+            streamlined_exponent=1.49,
+            evergreen=True,
+        ),
+        Wood(
+            name="pine",
+            young_longitudinal_pa=7.3e9,
+            radial_ratio=0.088,
+            tangential_ratio=0.044,
+            shear_lr_ratio=0.096,
+            shear_lt_ratio=0.081,
+            poisson_longitudinal=0.33,
+            poisson_transverse=0.36,
+            density_kg_m3=850.0,
+            modulus_of_rupture_pa=46e6,
+            damping_ratio=0.04,
+            drag_coefficient=0.45,
+            source="Scots pine grown in Britain: E, strength and density green, drag of the crown as U^1.25 "
+            "(fgr); ratios of red pine (WH 5-1, 5-2, unchecked)",
+            streamlined_exponent=1.25,
+            evergreen=True,
+        ),
+        Wood(
+            name="larch",
+            young_longitudinal_pa=7.9e9,
+            radial_ratio=0.079,
+            tangential_ratio=0.065,
+            shear_lr_ratio=0.063,
+            shear_lt_ratio=0.069,
+            poisson_longitudinal=0.32,
+            poisson_transverse=0.37,
+            density_kg_m3=850.0,
+            modulus_of_rupture_pa=53e6,
+            damping_ratio=0.04,
+            drag_coefficient=0.45,
+            source="European larch grown in Britain: E, strength and density green, drag of the crown as "
+            "U^1.25 (fgr: as Scots pine); ratios of western larch (WH 5-1, 5-2, unchecked)",
+            streamlined_exponent=1.25,
+        ),
+        Wood(
+            name="willow",
+            young_longitudinal_pa=5.4e9,
+            radial_ratio=0.083,
+            tangential_ratio=0.047,
+            shear_lr_ratio=0.076,
+            shear_lt_ratio=0.052,
+            poisson_longitudinal=0.38,
+            poisson_transverse=0.55,
+            density_kg_m3=800.0,
+            modulus_of_rupture_pa=33e6,
+            damping_ratio=0.03,
+            drag_coefficient=0.5,
+            source="black willow: E 0.79 and strength 0.0048 million psi green (CWT); density green about "
+            "50 lb/ft³ (unchecked); ratios of cottonwood, of the same family (WH 5-1, 5-2, unchecked)",
         ),
         Wood(
             name="ash",
@@ -241,6 +317,23 @@ SPECIES: dict[str, Wood] = {
             "unchecked), G_LT/E_L of red oak, as white oak has none; "
             "load in leaf as U^1.6 to U^1.68 (oak drag)",
             streamlined_exponent=1.64,
+        ),
+        Wood(
+            name="beech",
+            young_longitudinal_pa=9.8e9,
+            radial_ratio=0.163,
+            tangential_ratio=0.083,
+            shear_lr_ratio=0.117,
+            shear_lt_ratio=0.077,
+            poisson_longitudinal=0.48,
+            poisson_transverse=0.52,
+            density_kg_m3=940.0,
+            modulus_of_rupture_pa=65e6,
+            damping_ratio=0.03,
+            drag_coefficient=0.5,
+            source="European beech: E and strength green (fgr; American beech has 9.5 GPa and 59 MPa, "
+            "WH 5-3); ratios of European beech after R. F. S. Hearmon (unchecked); green density from the "
+            "specific gravity 0.56 of American beech (WH 5-3) and about 68 % moisture",
         ),
         Wood(
             name="sycamore",
@@ -297,7 +390,7 @@ ALIASES = {
     "aspen": "poplar",
     "cottonwood": "poplar",
     "cherry": "apricot",
-    "pine": "conifer",
+    "fir": "conifer",
     "hardwood": "default",
 }
 
@@ -309,3 +402,10 @@ def wood_of_species(name: str) -> Wood:
     if key not in SPECIES:
         raise KeyError(f"unknown species {name!r}; known: {', '.join(sorted(SPECIES))}")
     return SPECIES[key]
+
+
+def is_evergreen(name: str | None) -> bool:
+    """Whether a species, by name or alias, keeps its leaves in winter; False for unknown ones."""
+    key = (name or "").strip().lower()
+    wood = SPECIES.get(ALIASES.get(key, key))
+    return wood is not None and wood.evergreen

@@ -7,7 +7,16 @@ from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from galewood.options import BuildRequest, ImportRequest
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
+from galewood.wood import is_evergreen
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    computed_field,
+)
 
 from galewood_server.http.texts import AS_SHOWN, StorableText
 from galewood_server.storage import Form, JobState, TreeState
@@ -59,8 +68,8 @@ class TreeSummary(BaseModel):
     `records_sha256` is null until the records of the paper's state search are computed. `bare_table_sha256`
     is the table of the same mesh without its leaves, for the winter; null: there is none. `form`: grown
     in the open, or slender between other trees; a built-in species may have one tree of each form.
-    `compliance_sha256` is needed only to pull the tree at a point.
-    `updated_at` changes with every change of the tree, also of its report.
+    `compliance_sha256` is needed only to pull the tree at a point. `evergreen`: its species keeps its
+    leaves or needles in winter. `updated_at` changes with every change of the tree, also of its report.
     """
 
     id: str
@@ -78,6 +87,11 @@ class TreeSummary(BaseModel):
     job_id: str | None
     created_at: StoredTime
     updated_at: StoredTime
+
+    @computed_field
+    @property
+    def evergreen(self) -> bool:
+        return is_evergreen(self.species)
 
 
 class TreeOut(TreeSummary):

@@ -253,7 +253,8 @@ def test_german_and_latin_names_give_the_same_stand(forms: dict[str, TreeForm]) 
 def test_woods_exist() -> None:
     assert wood_species_of("Acer pseudoplatanus") == "sycamore"
     assert wood_species_of("Feldahorn") == "maple"
-    assert wood_species_of("Gemeine Kiefer") == "conifer"
+    assert wood_species_of("Gemeine Kiefer") == "pine"
+    assert wood_species_of("Weißtanne") == "conifer"
     assert wood_species_of("Tilia cordata") == wood_species_of("") == "default"
     from galewood.measurements.inventory.species import WOODS
 

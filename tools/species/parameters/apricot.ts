@@ -1,4 +1,4 @@
-import { apricotBark } from "../pictures/bark-picture";
+import { apricotBark } from "../pictures/barks";
 import { ovate } from "../pictures/leaf-shapes";
 import type { Species } from "../species";
 
@@ -112,6 +112,9 @@ export const apricot: Species = {
     length: 0.21,
     petiole: 0.3,
     leavesPerCard: 24,
+    leavesPerSpray: 6,
+    sideShoots: 4,
+    branchedSpray: false,
     angle_deg: 50,
   },
   bark: apricotBark(37),

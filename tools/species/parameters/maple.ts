@@ -1,4 +1,4 @@
-import { mapleBark } from "../pictures/bark-picture";
+import { mapleBark } from "../pictures/barks";
 import { palmate } from "../pictures/leaf-shapes";
 import type { Species } from "../species";
 
@@ -112,6 +112,9 @@ export const maple: Species = {
     length: 0.25,
     petiole: 0.38,
     leavesPerCard: 17,
+    leavesPerSpray: 6,
+    sideShoots: 4,
+    branchedSpray: false,
     angle_deg: 55,
   },
   bark: mapleBark(23),

@@ -1,5 +1,5 @@
 import { TreePreset } from "../growth/ez-tree";
-import { poplarBark } from "../pictures/bark-picture";
+import { poplarBark } from "../pictures/barks";
 import { deltoid } from "../pictures/leaf-shapes";
 import type { Species } from "../species";
 
@@ -111,6 +111,9 @@ export const poplar: Species = {
     length: 0.2,
     petiole: 0.42,
     leavesPerCard: 22,
+    leavesPerSpray: 6,
+    sideShoots: 4,
+    branchedSpray: false,
     angle_deg: 52,
   },
   bark: poplarBark(11),

@@ -14,6 +14,11 @@ export interface LeafLook {
   length: number;
   petiole: number;
   leavesPerCard: number;
+  leavesPerSpray: number;
+  /** Side shoots of the shoot on a card. */
+  sideShoots: number;
+  /** Whether the shoot of a spray has side shoots as well. */
+  branchedSpray: boolean;
   /** Angle of the leaves to the shoot, degrees. */
   angle_deg: number;
 }

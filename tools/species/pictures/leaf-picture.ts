@@ -29,14 +29,19 @@ const CARDS: Sheet = {
   columns: 2,
   rows: 2,
   tile_px: 512,
-  grow: (look, palette, random) => leafy(growShoots(random), look, palette, random),
+  grow: (look, palette, random) =>
+    leafy(growShoots(random, look.sideShoots, look.leavesPerCard), look, palette, random),
 };
 const SPRAYS: Sheet = {
   ...SPRAY_TILES,
   tile_px: 384,
-  grow: (look, palette, random) => fitted(look, leafy(growTip(random), look, palette, random)),
+  grow: (look, palette, random) => {
+    const shoots = look.branchedSpray
+      ? growShoots(random, look.sideShoots, look.leavesPerCard)
+      : growTip(random);
+    return fitted(look, leafy(shoots, look, palette, random));
+  },
 };
-const LEAVES_PER_SPRAY = 6;
 
 /** Four different shoots in a 2 × 2 atlas of 1024 pixels. */
 export function leafPicture(look: LeafLook, seed: number): Picture {
@@ -45,7 +50,7 @@ export function leafPicture(look: LeafLook, seed: number): Picture {
 
 /** Eight different ends of shoots, with leaves of the size that they have on a card, in one atlas. */
 export function sprayPicture(look: LeafLook, seed: number): Picture {
-  const larger = { ...look, length: look.length / SPRAY_SHARE, leavesPerCard: LEAVES_PER_SPRAY };
+  const larger = { ...look, length: look.length / SPRAY_SHARE, leavesPerCard: look.leavesPerSpray };
   return drawSheet(SPRAYS, larger, seed + 1);
 }
 

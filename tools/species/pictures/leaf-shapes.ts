@@ -84,6 +84,165 @@ export function palmate(): Shape {
   return { outline, veins };
 }
 
+/** Silver birch: a rhombus with a long tip and double teeth. */
+export function rhombic(): Shape {
+  const outline = toothed(
+    [
+      [0, 0],
+      [0.16, 0.04],
+      [0.34, 0.2],
+      [0.39, 0.34],
+      [0.28, 0.54],
+      [0.15, 0.74],
+      [0.05, 0.9],
+      [0, 1],
+    ],
+    26,
+    0.022,
+  );
+  return { outline, veins: pinnate([0.08, 0.2, 0.32, 0.45, 0.58], 0.36, 0.2) };
+}
+
+/** Beech: elliptic with a smooth, slightly wavy edge and many straight, parallel veins. */
+export function elliptic(): Shape {
+  const outline = toothed(
+    [
+      [0, 0],
+      [0.14, 0.05],
+      [0.28, 0.22],
+      [0.33, 0.42],
+      [0.29, 0.62],
+      [0.18, 0.8],
+      [0.07, 0.93],
+      [0, 1],
+    ],
+    14,
+    0.006,
+  );
+  return { outline, veins: pinnate([0.08, 0.19, 0.3, 0.41, 0.52, 0.63, 0.74], 0.32, 0.17) };
+}
+
+/** English oak: four round lobes on each side, widest above the middle. */
+export function lobed(): Shape {
+  const control: LeafPoint[] = [
+    [0, 0],
+    [0.07, 0.02],
+    [0.06, 0.1],
+    [0.17, 0.16],
+    [0.15, 0.23],
+    [0.1, 0.28],
+    [0.2, 0.36],
+    [0.27, 0.42],
+    [0.22, 0.48],
+    [0.14, 0.52],
+    [0.26, 0.59],
+    [0.34, 0.67],
+    [0.28, 0.74],
+    [0.18, 0.76],
+    [0.24, 0.84],
+    [0.2, 0.92],
+    [0.1, 0.93],
+    [0, 1],
+  ];
+  const outline = Array.from({ length: 69 }, (_, i) => spline(control, (i / 68) * (control.length - 1)));
+  return { outline, veins: pinnate([0.06, 0.24, 0.42, 0.6], 0.24, 0.14) };
+}
+
+/** Ash: a compound leaf of four pairs of leaflets and a last one, on a thin stalk. */
+export function compound(): Shape {
+  const stalk = 0.012;
+  const leaflets = [0.1, 0.27, 0.44, 0.61].flatMap((y): LeafPoint[] => [
+    [stalk, y],
+    [0.09, y - 0.01],
+    [0.2, y + 0.03],
+    [0.31, y + 0.1],
+    [0.2, y + 0.1],
+    [0.09, y + 0.065],
+    [stalk, y + 0.03],
+  ]);
+  const last: LeafPoint[] = [
+    [stalk, 0.74],
+    [0.06, 0.8],
+    [0.065, 0.88],
+    [0.03, 0.97],
+    [0, 1.02],
+  ];
+  const veins = [0.1, 0.27, 0.44, 0.61].map((y): [LeafPoint, LeafPoint] => [
+    [0, y + 0.015],
+    [0.29, y + 0.09],
+  ]);
+  return { outline: [[0, 0], [stalk, 0], ...leaflets, ...last], veins };
+}
+
+/** Sycamore: five broad lobes with blunt teeth. */
+export function broadPalmate(): Shape {
+  const outline: LeafPoint[] = [
+    [0, 0.05],
+    [0.1, -0.02],
+    [0.27, -0.06],
+    [0.4, 0.02],
+    [0.36, 0.1],
+    [0.52, 0.16],
+    [0.55, 0.26],
+    [0.66, 0.4],
+    [0.58, 0.47],
+    [0.6, 0.57],
+    [0.46, 0.57],
+    [0.36, 0.52],
+    [0.27, 0.53],
+    [0.34, 0.66],
+    [0.29, 0.74],
+    [0.22, 0.85],
+    [0.12, 0.9],
+    [0, 1.02],
+  ];
+  const root: LeafPoint = [0, 0.05];
+  const veins = [
+    [root, [0.6, 0.44]],
+    [root, [0.35, 0]],
+    [
+      [0, 0.42],
+      [0.28, 0.7],
+    ],
+    [
+      [0.3, 0.25],
+      [0.52, 0.54],
+    ],
+  ] as const;
+  return { outline, veins };
+}
+
+/** Willow: narrow and long, with a drawn-out tip. */
+export function lanceolate(): Shape {
+  const outline = toothed(
+    [
+      [0, 0],
+      [0.05, 0.06],
+      [0.085, 0.25],
+      [0.09, 0.45],
+      [0.065, 0.7],
+      [0.025, 0.9],
+      [0, 1],
+    ],
+    20,
+    0.002,
+  );
+  return { outline, veins: [] };
+}
+
+/** The needle of a conifer, of this half width relative to its length. */
+export function needle(halfWidth: number): Shape {
+  const outline: LeafPoint[] = [
+    [0, 0],
+    [0.7 * halfWidth, 0.03],
+    [halfWidth, 0.3],
+    [halfWidth, 0.75],
+    [0.6 * halfWidth, 0.95],
+    [0, 1],
+  ];
+  return { outline, veins: [] };
+}
+
 /** Smooths a half outline and adds small teeth. */
 function toothed(control: LeafPoint[], teeth: number, depth: number): LeafPoint[] {
   const steps = teeth * 2;

@@ -18,18 +18,25 @@ export interface Shoot {
   weight: number;
 }
 
-/** A main shoot and alternating side shoots. */
-export function growShoots(random: Random): Shoot[] {
+/** Points of a shoot: leaves are placed at points, so that there must be as many. */
+const LEAST_POINTS = 25;
+
+/** A main shoot and alternating side shoots, for this number of leaves. */
+export function growShoots(random: Random, sideCount: number, leafCount: number): Shoot[] {
   const bend = random.around(0, 0.08);
-  const main = curve([0.5, 0], [0.5 + bend, 0.4], [0.5 - bend, 0.78]);
+  const points = Math.max(LEAST_POINTS, leafCount);
+  const main = curve([0.5, 0], [0.5 + bend, 0.4], [0.5 - bend, 0.78], points);
   const shoots: Shoot[] = [{ points: main, weight: 1 }];
-  for (let i = 0; i < 4; i++) {
-    const start = main[Math.round((0.18 + 0.17 * i) * (main.length - 1))];
+  for (let i = 0; i < sideCount; i++) {
+    const start = main[Math.round((0.18 + (0.68 / sideCount) * i) * (main.length - 1))];
     const side = i % 2 === 0 ? 1 : -1;
-    const reach = random.uniform(0.24, 0.34) * (1 - 0.12 * i);
+    const reach = random.uniform(0.24, 0.34) * (1 - (0.48 / sideCount) * i);
     const rise = random.uniform(0.12, 0.24);
     const middle: LeafPoint = [start[0] + side * reach * 0.5, start[1] + rise * 0.7];
-    shoots.push({ points: curve(start, middle, [start[0] + side * reach, start[1] + rise]), weight: 0.6 });
+    shoots.push({
+      points: curve(start, middle, [start[0] + side * reach, start[1] + rise], points),
+      weight: 0.6,
+    });
   }
   return shoots;
 }
@@ -37,12 +44,12 @@ export function growShoots(random: Random): Shoot[] {
 /** The end of a shoot: its leaves are as large as the shoot is long. */
 export function growTip(random: Random): Shoot[] {
   const bend = random.around(0, 0.07);
-  return [{ points: curve([0.5, 0], [0.5 + bend, 0.28], [0.5 - bend, 0.56]), weight: 1 }];
+  return [{ points: curve([0.5, 0], [0.5 + bend, 0.28], [0.5 - bend, 0.56], LEAST_POINTS), weight: 1 }];
 }
 
-function curve(a: LeafPoint, b: LeafPoint, c: LeafPoint): LeafPoint[] {
-  return Array.from({ length: 25 }, (_, i) => {
-    const t = i / 24;
+function curve(a: LeafPoint, b: LeafPoint, c: LeafPoint, points: number): LeafPoint[] {
+  return Array.from({ length: points }, (_, i) => {
+    const t = i / (points - 1);
     const blend = (k: 0 | 1): number => (1 - t) ** 2 * a[k] + 2 * t * (1 - t) * b[k] + t * t * c[k];
     return [blend(0), blend(1)] as const;
   });

@@ -190,11 +190,6 @@ export class Forest {
     return forest;
   }
 
-  /** Whether the trees have no leaves in this season. */
-  get isLeafless(): boolean {
-    return this.leafless;
-  }
-
   /** Sets the season of all trees, including later placements; call `select` afterwards. */
   setSeason(season: Season): void {
     this.leafless = season === "winter";

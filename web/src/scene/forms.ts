@@ -37,7 +37,8 @@ export function kindsOf<Tree extends Grown>(trees: readonly Tree[]): Kind<Tree>[
   return [...kinds.values()];
 }
 
-function kindOf(tree: Grown, trees: readonly Grown[]): string {
+/** Id of the kind of a tree among these. */
+export function kindOf(tree: Grown, trees: readonly Grown[]): string {
   if (tree.form === "open" || !tree.builtin) return tree.id;
   const open = trees.find(
     (other) => other.builtin && other.form === "open" && other.species === tree.species,

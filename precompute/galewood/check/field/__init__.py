@@ -6,11 +6,14 @@ from galewood.check.field.measurements import FieldError, Measurement, read_meas
 from galewood.check.field.plots import decay_figure
 from galewood.check.field.release import pull_and_release
 from galewood.check.field.simulated import diameter_cm, tree_of_file
+from galewood.check.field.statistics import broadleaf_hz, conifer_hz
 
 __all__ = [
     "FieldError",
     "FieldOptions",
     "Measurement",
+    "broadleaf_hz",
+    "conifer_hz",
     "decay_figure",
     "diameter_cm",
     "fitted_decay",

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import KDTree
 
+from galewood.check.field import broadleaf_hz, conifer_hz
 from galewood.check.verify.checks import Check, absolute, relative
 from galewood.check.verify.motion_checks import ring_down
 from galewood.check.verify.skeleton_match import branches_found, fibre_errors
-from galewood.check.verify.specimens import NAMES, TARGETS, Form, Mesher, Specimen, read_tree, specimen
+from galewood.check.verify.specimens import TARGETS, Form, Mesher, Specimen, forms_of, read_tree, specimen
 from galewood.solid.beams import frame_frequencies
 from galewood.solid.model import gusty_pressure, trajectory_difference
 from galewood.util import Floats
@@ -21,6 +22,8 @@ FRAME_COUNT = 180
 RING_M = 0.005
 """Amplitude of the ring-down: small, because the weight on bent limbs makes larger ones nonlinear."""
 MODE_COUNT = 10
+CONIFERS = ("spruce", "pine", "larch")
+"""Species of wood."""
 MOST_WRONG_BRANCHES = 0.05
 """Share of branches missed or spurious. Where limbs touch, a mesh may join them, and a tip more is found.
 
@@ -28,20 +31,16 @@ Two runs of the mesher never give the same tetrahedra; one branch of twenty is a
 """
 ON_MESHES = "apricot"
 """The tree that is checked on several meshes."""
-REGRESSIONS: dict[Form, tuple[float, float, float, float]] = {
-    "forest": (0.131, -0.542, -0.017, 0.227),
-    "open": (2.442, -1.526, 0.244, 0.365),
-}
-"""ln f = a + b ln H + c ln DBH (Hz, m, cm) and residual standard deviation, of broadleaves in leaf.
-
-Fitted to the measured trees collected by Jackson et al., Biogeosciences 18 (2021) 4059, with those of Wytham
-Woods: 111 forest-grown trees of 7 to 40 m, 88 open-grown trees of 9 to 30 m and 30 to 101 cm.
-"""
+RESIDUALS: dict[Form, float] = {"forest": 0.227, "open": 0.365}
+"""Standard deviation of ln f about the regressions for broadleaves (`galewood.check.field.broadleaf_hz`), of
+111 forest-grown trees of 7 to 40 m and 88 open-grown trees of 9 to 30 m and 30 to 101 cm."""
+CONIFER_LIMIT = 0.25
+"""Of the frequency over that of `galewood.check.field.conifer_hz`."""
 
 
 def checks(folder: Path, mesher: Mesher) -> Iterator[Check]:
     """All checks of all trees; one of them also on three meshes."""
-    for name in NAMES:
+    for name in forms_of(folder):
         tree = read_tree(folder, name)
         one = specimen(folder, name, tree, mesher(name, tree, TARGETS[1]))
         yield from of_specimen(one)
@@ -126,19 +125,26 @@ def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:
 
 
 def against_measured_trees(one: Specimen) -> Check:
-    """First frequency in leaf under gravity, within a standard deviation of measured trees of its size."""
+    """First frequency in leaf under gravity, beside measured trees of its size.
+
+    Broadleaves are within a standard deviation of those of their form; conifers within a quarter of theirs.
+    """
     height_m, girth_cm = one.tree.height_m, 200 * breast_radius_m(one)
-    a, b, c, deviation = REGRESSIONS[one.form]
-    measured = float(np.exp(a + b * np.log(height_m) + c * np.log(girth_cm)))
+    size = np.array(height_m), np.array(girth_cm)
     found = float(one.fast.report["frequencies_hz"][0])
+    note = f"DBH {girth_cm:.0f} cm, {height_m:.1f} m"
+    if one.wood.name in CONIFERS:
+        name = f"{one.name}: first frequency beside measured conifers of its size"
+        return relative(name, float(conifer_hz(*size)), found, "Hz", CONIFER_LIMIT, note)
+    measured = float(broadleaf_hz(one.form, *size))
     return Check(
         name=f"{one.name}: first frequency beside measured {one.form}-grown trees of its size",
         exact=measured,
         computed=found,
         unit="Hz",
-        deviation=float(np.log(found / measured)) / deviation,
+        deviation=float(np.log(found / measured)) / RESIDUALS[one.form],
         limit=1.0,
-        note=f"in standard deviations; DBH {girth_cm:.0f} cm, {height_m:.1f} m",
+        note=f"in standard deviations; {note}",
     )
 
 

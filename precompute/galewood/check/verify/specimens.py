@@ -22,16 +22,6 @@ from galewood.util import Floats
 from galewood.wood import Wood, wood_of_species
 
 Form = Literal["open", "forest"]
-FORMS: dict[str, tuple[str, Form]] = {
-    "poplar": ("poplar", "open"),
-    "maple": ("maple", "open"),
-    "apricot": ("apricot", "open"),
-    "poplar-forest": ("poplar", "forest"),
-    "maple-forest": ("maple", "forest"),
-    "apricot-forest": ("apricot", "forest"),
-}
-"""Species and form of each generated tree."""
-NAMES = tuple(FORMS)
 BEAMS_PER_LINK = 4
 """Of the generator's skeleton."""
 TARGETS = (3000, 5500, 8000)
@@ -84,10 +74,16 @@ def read_frame(path: Path, beams_per_link: int = BEAMS_PER_LINK) -> Frame:
     return joined_frame(points, radius, parent, branch, beams_per_link)
 
 
+def forms_of(folder: Path) -> dict[str, tuple[str, Form]]:
+    """Species and form of each generated tree of a folder, by name."""
+    listed = json.loads((folder / "species.json").read_bytes())
+    return {entry["id"]: (entry["species"], entry["form"]) for entry in listed}
+
+
 def read_tree(folder: Path, name: str) -> TreeMesh:
     """Import the mesh of a generated tree."""
-    path = folder / f"{name}.glb"
-    tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportRequest(species=FORMS[name][0]))
+    path, (species, _) = folder / f"{name}.glb", forms_of(folder)[name]
+    tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportRequest(species=species))
     return tree
 
 
@@ -95,7 +91,7 @@ def specimen(folder: Path, name: str, tree: TreeMesh, mesh: TetMesh) -> Specimen
     """Skeleton, radius correction and foliage on a tetrahedral mesh of the tree."""
     skeleton = extract_skeleton(mesh)
     mesh = with_corrected_radii(tree, mesh, skeleton)
-    species, form = FORMS[name]
+    species, form = forms_of(folder)[name]
     wood = wood_of_species(species)
     path = folder / f"{name}.skeleton.json"
     generated, frame = json.loads(path.read_text()), read_frame(path)

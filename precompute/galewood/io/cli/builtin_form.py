@@ -14,9 +14,10 @@ from galewood.wood import wood_of_species
 
 
 def builtin_form(mesh: BuiltinMesh, foliage: Foliage) -> TreeForm:
-    """A built-in tree, bent in winds of all speeds."""
+    """A built-in tree, bent in winds of all speeds; evergreens have their leaves in every season."""
     tree = read(mesh.path, species=str(mesh.options["species"]), accept=True)
-    wood, leaves = wood_of_species(tree.species or "default"), foliage == "leaf"
+    wood = wood_of_species(tree.species or "default")
+    leaves = foliage == "leaf" or wood.evergreen
     dbh_cm = diameter_cm(tree.wood_vertices_m, tree.wood_faces, BREAST_HEIGHT_M)
     if dbh_cm is None:
         raise ValueError(f"{mesh.name} is lower than 1.3 m")

@@ -14,7 +14,7 @@ from galewood.measurements.inventory.report import (
     stems_per_ha,
     substitutes_of,
 )
-from galewood.measurements.inventory.species import BUILTIN_SPECIES
+from galewood.measurements.inventory.species import BUILTIN_NAMES
 from galewood.measurements.inventory.stems import (
     FARTHEST_M,
     HIGHEST_M,
@@ -78,8 +78,8 @@ def _stem(given: object, path: str) -> Stem:
         )
     dbh_cm = stem["dbh_cm"]
     builtin = _of_type(stem, "builtin", str, path)
-    if builtin not in BUILTIN_SPECIES.values():
-        raise InventoryError(f"{path}.builtin: expected one of {', '.join(BUILTIN_SPECIES.values())}")
+    if builtin not in BUILTIN_NAMES:
+        raise InventoryError(f"{path}.builtin: expected one of {', '.join(BUILTIN_NAMES)}")
     return Stem(
         int(_number(stem, "line", path, 0, 1e9)),
         _number(stem, "east_m", path, -FARTHEST_M, FARTHEST_M),

@@ -1,7 +1,7 @@
 """Species names of inventories (Latin, English, German) and the built-in tree that stands for each.
 
-Only populus, acer and prunus have trees of their own. All others are substituted by habit: tall and narrow,
-broad, or small; an assumption.
+Eleven genera have trees of their own, and sycamore beside the other maples. All others are substituted by
+habit: conical, tall and narrow, broad, with feathered leaves, or small; an assumption.
 """
 
 from __future__ import annotations
@@ -11,37 +11,46 @@ import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
 
-BUILTIN_SPECIES = {"populus": "poplar", "acer": "maple", "prunus": "apricot"}
-_NARROW = (
-    "abies alnus betula calocedrus cedrus chamaecyparis cupressus eucalyptus ginkgo larix liriodendron "
-    "metasequoia picea pinus pseudotsuga salix sequoia sequoiadendron taxodium thuja tsuga"
-)
-_BROAD = (
-    "aesculus ailanthus carpinus carya castanea catalpa celtis fagus fraxinus gleditsia juglans "
-    "liquidambar magnolia ostrya paulownia platanus pterocarya quercus robinia sophora styphnolobium tilia "
-    "ulmus zelkova"
-)
-_SMALL = (
-    "amelanchier cornus corylus crataegus cydonia elaeagnus ilex juniperus koelreuteria laburnum malus "
-    "mespilus morus olea pyrus sambucus sorbus taxus viburnum"
-)
-STANDS_FOR: dict[str, str] = {
-    **BUILTIN_SPECIES,
-    **dict.fromkeys(_NARROW.split(), "poplar"),
-    **dict.fromkeys(_BROAD.split(), "maple"),
-    **dict.fromkeys(_SMALL.split(), "apricot"),
-}
-_CONIFERS = (
-    "abies calocedrus cedrus chamaecyparis cupressus juniperus larix metasequoia picea pinus pseudotsuga "
-    "sequoia sequoiadendron taxodium taxus thuja tsuga"
-)
-WOODS: dict[str, str] = {
-    **BUILTIN_SPECIES,
-    "fraxinus": "ash",
+BUILTIN_SPECIES = {
+    "populus": "poplar",
+    "acer": "maple",
+    "prunus": "apricot",
     "betula": "birch",
     "quercus": "oak",
+    "fagus": "beech",
+    "fraxinus": "ash",
+    "salix": "willow",
+    "picea": "spruce",
+    "pinus": "pine",
+    "larix": "larch",
+}
+SYCAMORE = "sycamore"
+"""The built-in tree of one species of maple."""
+BUILTIN_NAMES = (*BUILTIN_SPECIES.values(), SYCAMORE)
+_CONICAL = (
+    "abies calocedrus cedrus chamaecyparis cupressus juniperus pseudotsuga sequoia sequoiadendron taxus "
+    "thuja tsuga"
+)
+_SUBSTITUTES = {
+    "spruce": _CONICAL,
+    "larch": "metasequoia taxodium",
+    "poplar": "eucalyptus ginkgo liriodendron",
+    "birch": "alnus",
+    "beech": "carpinus castanea celtis ostrya tilia ulmus zelkova",
+    "sycamore": "aesculus catalpa liquidambar paulownia platanus",
+    "ash": "ailanthus carya gleditsia juglans pterocarya robinia sophora styphnolobium",
+    "maple": "magnolia",
+    "apricot": "amelanchier cornus corylus crataegus cydonia elaeagnus ilex koelreuteria laburnum malus "
+    "mespilus morus olea pyrus sambucus sorbus viburnum",
+}
+STANDS_FOR: dict[str, str] = {
+    **{genus: builtin for builtin, genera in _SUBSTITUTES.items() for genus in genera.split()},
+    **BUILTIN_SPECIES,
+}
+WOODS: dict[str, str] = {
+    **dict.fromkeys([*_CONICAL.split(), *_SUBSTITUTES["larch"].split()], "conifer"),
     "platanus": "plane",
-    **dict.fromkeys(_CONIFERS.split(), "conifer"),
+    **BUILTIN_SPECIES,
 }
 """Species of wood (galewood.wood) by genus; all others have an average one."""
 SYCAMORES = ("pseudoplatanus", "bergahorn", "sycamore maple")
@@ -87,11 +96,14 @@ class Match:
     @property
     def same(self) -> bool:
         """Whether it is a tree of the same genus."""
-        return BUILTIN_SPECIES.get(self.genus) == self.builtin
+        own = BUILTIN_SPECIES.get(self.genus)
+        return self.builtin == own or (self.builtin == SYCAMORE and own == "maple")
 
 
 def match_species(name: str, height_m: float) -> Match:
     """The built-in species for a name; an unknown one is decided by the height."""
+    if _is_sycamore(name):
+        return Match(SYCAMORE, "acer")
     genus = genus_of(name)
     if genus:
         return Match(STANDS_FOR[genus], genus)
@@ -100,9 +112,13 @@ def match_species(name: str, height_m: float) -> Match:
 
 def wood_species_of(name: str) -> str:
     """The species of wood (galewood.wood) for a name; "default" for one that has none of its own."""
-    if any(sycamore in plain(name) for sycamore in SYCAMORES):
-        return "sycamore"
+    if _is_sycamore(name):
+        return SYCAMORE
     return WOODS.get(genus_of(name), "default")
+
+
+def _is_sycamore(name: str) -> bool:
+    return any(known in plain(name) for known in SYCAMORES)
 
 
 @lru_cache(maxsize=4096)

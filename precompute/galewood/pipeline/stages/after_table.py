@@ -91,8 +91,9 @@ def _start_comparison(fitted: FittedTree, context: BuildContext) -> Callable[[],
 
 
 def wants_bare_table(recorded: RecordedTree, context: BuildContext) -> bool:
-    """Whether a build also makes the table of the tree without its leaves."""
-    return context.options.bare_table and has_leaves(recorded.fitted.modelled.solid.tree, context.options)
+    """Whether a build also makes the table of the tree without its leaves; evergreens keep theirs."""
+    solid = recorded.fitted.modelled.solid
+    return context.options.bare_table and has_leaves(solid.tree, context.options) and not solid.wood.evergreen
 
 
 @runs_as(Stage.BARE)

@@ -26,6 +26,9 @@ from galewood.util import Floats, Int32s
 from galewood.wood import BARE_EXPONENT
 
 LEAF_MASS_KG_M2 = 0.2  # fresh leaf including its petiole, per one-sided area
+EVERGREEN_LEAF_MASS_KG_M2 = 0.4
+"""Needles and other evergreen leaves are about twice as heavy per area as those shed each year (H. Poorter
+and others, New Phytologist 182, 2009, 565–588; quoted from memory, unchecked)."""
 MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
 PROFILE_EXPONENT = 0.4  # of the pressure over height; the speed grows with about the fifth root
 RANDOM_PROJECTION = 0.5  # mean projected area of a flat leaf over its one-sided area
@@ -43,6 +46,8 @@ class WoodLike(Protocol):
     def drag_coefficient(self) -> float: ...
     @property
     def streamlined_exponent(self) -> float: ...
+    @property
+    def evergreen(self) -> bool: ...
 
 
 @dataclass(frozen=True)
@@ -181,7 +186,8 @@ def _drawn_loads(
         if primitive.kind == "twigs":
             twig_mass += spread(primitive, twig_volumes(primitive) * wood.density_kg_m3)
             twig_area += CONVEX_PROJECTION * float(area.sum())
-    leaf_mass, capped = _leaf_mass(leaf_area, wood_mass_kg)
+    per_area = EVERGREEN_LEAF_MASS_KG_M2 if wood.evergreen else LEAF_MASS_KG_M2
+    leaf_mass, capped = _leaf_mass(per_area * leaf_area, wood_mass_kg)
     silhouette = silhouette_area(*_triangles(tree))
     projected = RANDOM_PROJECTION * leaf_area + CONVEX_PROJECTION * wood_area
     frontal = projected * (silhouette / max(float(projected.sum()), 1e-300))
@@ -213,8 +219,7 @@ def _drawn_loads(
     )
 
 
-def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
-    mass = LEAF_MASS_KG_M2 * leaf_area
+def _leaf_mass(mass: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
     most = MOST_LEAF_MASS * wood_mass_kg
     total = float(mass.sum())
     return (mass * (most / total), True) if total > most else (mass, False)

@@ -12,7 +12,9 @@ from galewood.solid.model.silhouette import silhouette_area
 from tests.precompute.fixtures import tree_meshes as make
 from tests.precompute.fixtures.tet_meshes import leaf_cards, y_mesh, y_tree_mesh
 
-WOOD: Any = SimpleNamespace(density_kg_m3=900.0, drag_coefficient=0.5, streamlined_exponent=1.64)
+WOOD: Any = SimpleNamespace(
+    density_kg_m3=900.0, drag_coefficient=0.5, streamlined_exponent=1.64, evergreen=False
+)
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ vi.mock("../../../../web/src/page/server/eventStream", () => ({
 }));
 
 const tree = (table: string | null): Tree =>
-  ({ id: "ash", species: "ash", builtin: true, state: "ready", mesh_sha256: "m", table_sha256: table }) as Tree;
+  ({ id: "elm", species: "elm", builtin: true, state: "ready", mesh_sha256: "m", table_sha256: table }) as Tree;
 const recorded = (table: string, records: string | null): Tree => ({ ...tree(table), records_sha256: records });
 const motionOf = (sha256: string, vertices = 3) =>
   ({ sha256, vertexNode: new Uint16Array(vertices) }) as unknown as TableMotion;
@@ -87,6 +87,24 @@ test("a failed load is reported for a current table but not for a superseded one
   expect(problems).toHaveLength(1);
 });
 
+test("species outside the mix are loaded when they are wanted, by their share or by an inventory", async () => {
+  const { arriving, settle, settings, state, catalogue } = started({ shares: { oak: 0, elm: 0 } });
+  const oak = (id: string, form: "open" | "forest"): Tree => ({ ...tree(id), id, species: "oak", form });
+  handlers.change({ tree: tree("full"), job: null });
+  handlers.change({ tree: oak("oak-forest", "forest"), job: null });
+  handlers.change({ tree: oak("oak", "open"), job: null });
+  await settle();
+  expect([...arriving.keys()]).toEqual([]);
+  expect(catalogue.kinds.map(({ id }) => id)).toEqual(["elm", "oak"]);
+  settings.shares = { elm: 0 };
+  await settle();
+  expect([...arriving.keys()].toSorted()).toEqual(["oak", "oak-forest"]);
+  state.inventory = { builtin: new Set(["elm"]), names: new Set() } as unknown as typeof state.inventory;
+  await settle();
+  expect(catalogue.assets.map(({ id }) => id)).toEqual(["elm"]);
+  expect(arriving.has("full")).toBe(true);
+});
+
 test("a table of another mesh is not used", async () => {
   const { arriving, settle, catalogue } = started();
   handlers.change({ tree: tree("other"), job: null });
@@ -104,8 +122,8 @@ test("new records of a tree are announced once, with the state of its job", asyn
   handlers.change({ tree: recorded("full", "r"), job: null });
   handlers.change({ tree: recorded("full", "r"), job: null });
   expect(catalogue.recordChanges.value).toBe(1);
-  expect(catalogue.find("ash")).toMatchObject({ job: null, tree: { records_sha256: "r" } });
-  expect(catalogue.find("oak")).toBeNull();
+  expect(catalogue.find("elm")).toMatchObject({ job: null, tree: { records_sha256: "r" } });
+  expect(catalogue.find("yew")).toBeNull();
 });
 
 describe("tables without leaves", () => {
@@ -127,8 +145,8 @@ describe("tables without leaves", () => {
     settings.season = "winter";
     expect(grown).toEqual(["leaf", "bare", "leaf", "bare"]);
     expect(arriving.size).toBe(0);
-    expect(catalogue.leafMotion("ash")?.sha256).toBe("leaf");
-    expect(catalogue.find("ash")?.motion?.sha256).toBe("bare");
+    expect(catalogue.leafMotion("elm")?.sha256).toBe("leaf");
+    expect(catalogue.find("elm")?.motion?.sha256).toBe("bare");
   });
 
   test("a tree without one keeps its table in winter", async () => {
@@ -186,11 +204,11 @@ describe("tables without leaves", () => {
 test("the forms of a built-in species are one kind, each upload is its own", () => {
   const { catalogue } = started();
   const builtin = (id: string, form: "open" | "forest") => ({ ...tree(null), id, name: id, builtin: true, form });
-  const uploaded = { ...tree(null), id: "mine", name: "my ash", builtin: false, form: "open" as const };
-  for (const one of [builtin("ash-forest", "forest"), builtin("ash", "open"), uploaded])
+  const uploaded = { ...tree(null), id: "mine", name: "my elm", builtin: false, form: "open" as const };
+  for (const one of [builtin("elm-forest", "forest"), builtin("elm", "open"), uploaded])
     handlers.change({ tree: one, job: null });
-  expect(catalogue.kinds).toEqual([{ id: "ash", name: "Ash" }]);
-  expect(catalogue.uploads).toEqual([{ id: "mine", name: "My ash" }]);
+  expect(catalogue.kinds).toEqual([{ id: "elm", name: "Elm" }]);
+  expect(catalogue.uploads).toEqual([{ id: "mine", name: "My elm" }]);
 });
 
 test("an upload is loaded once it is planted, and leaves the forest when it no longer is", async () => {

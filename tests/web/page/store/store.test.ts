@@ -125,7 +125,7 @@ describe("undo", () => {
     const changes: (readonly string[])[] = [];
     store.onChange((keys) => changes.push(keys));
     press("undo");
-    expect([store.settings.shares, store.settings.trees, possible()]).toEqual([{}, 9, [true, true]]);
+    expect([store.settings.shares, store.settings.trees, possible()]).toEqual([DEFAULTS.shares, 9, [true, true]]);
     press("undo");
     expect({ ...store.settings }).toEqual(DEFAULTS);
     press("redo");

@@ -159,11 +159,15 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     });
   }
 
-  /** Whether the leaves are not drawn, because they have fallen. */
+  get leafless(): boolean {
+    return this.fallen;
+  }
+
+  /** Whether the leaves are not drawn, because they have fallen; evergreens keep theirs. */
   set leafless(leafless: boolean) {
-    this.fallen = leafless;
+    this.fallen = leafless && !this.model.evergreen;
     for (const { season, moving, still } of this.parts) {
-      const visible = season === "always" || season === (leafless ? "bare" : "leafy");
+      const visible = season === "always" || season === (this.fallen ? "bare" : "leafy");
       for (const materials of [moving, still]) if (materials) materials.colour.visible = visible;
     }
   }

@@ -11,6 +11,8 @@ export interface NamedInventory extends Inventory {
   readonly name: string;
   /** The species in it, in lower case. */
   readonly names: ReadonlySet<string>;
+  /** The built-in species that stand for them. */
+  readonly builtin: ReadonlySet<string>;
   /** Its file, or its document. */
   readonly source: Blob;
 }
@@ -20,6 +22,7 @@ export const namedInventory = (inventory: Inventory, name: string, source: Blob)
   name,
   source,
   names: new Set(inventory.stems.map(({ species }) => species.trim().toLowerCase())),
+  builtin: new Set(inventory.stems.map(({ builtin }) => builtin)),
 });
 
 /** Loads the inventory document of an address of this server. Throws a Problem. */

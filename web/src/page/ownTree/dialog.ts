@@ -129,7 +129,10 @@ export class OwnTreeDialog {
     );
     if (!tree.mesh_sha256) return;
     try {
-      const model = readTreeModel(await fetchMesh(tree.mesh_sha256));
+      const model = readTreeModel(await fetchMesh(tree.mesh_sha256), {
+        varied: false,
+        evergreen: tree.evergreen,
+      });
       this.preview.show(model, assumed.vertexPieces, assumed.pieces);
       this.picture.src = thumbnailUrl(tree);
       this.picture.hidden = false;

@@ -110,7 +110,7 @@ export function grabbedTree({ forest, client }: World, at: TreeAt): GrabbedTree 
     instances,
     poses,
     tree: at.tree,
-    leafless: forest.isLeafless,
+    leafless: species.leafless,
     exaggeration: exaggeration.value,
   };
 }

@@ -5,10 +5,11 @@ import type { TableMotion } from "galewood/client";
 import type { Foliage } from "galewood/core";
 import type { TreeModel } from "galewood/trees";
 import type { TreeAsset } from "../../scene/forest";
-import { type Form, kindsOf } from "../../scene/forms";
+import { type Grown, kindOf, kindsOf } from "../../scene/forms";
 import type { OpenedTree } from "../../scene/treeModel/openTree";
-import { readTreeModel } from "../../scene/treeModel/readTreeModel";
+import { readTreeModel, type TreeKind } from "../../scene/treeModel/readTreeModel";
 import type { ForestClient } from "../forest/forestClient";
+import type { NamedInventory } from "../inventory/namedInventory";
 import { plantedAs } from "../settings/planted";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
@@ -41,15 +42,23 @@ interface Entry {
   readonly bare: Slot;
 }
 
+/** Whether a tree has the name of a species in the inventory. */
+const isNamedIn = (inventory: NamedInventory, tree: Tree): boolean =>
+  [tree.id, displayName(tree)].some((name) => inventory.names.has(name.toLowerCase()));
+
 const emptySlot = (): Slot => ({ sha256: null, motion: null });
 
 const hasTable = ({ mesh_sha256, table_sha256 }: Tree) => Boolean(mesh_sha256 && table_sha256);
 
+const toGrown = ({ id, species, builtin, form }: Tree): Grown => ({
+  id,
+  species,
+  builtin,
+  form: form ?? "open",
+});
+
 const assetOf = (tree: Tree): TreeAsset => ({
-  id: tree.id,
-  species: tree.species,
-  builtin: tree.builtin,
-  form: tree.form ?? "open",
+  ...toGrown(tree),
   hasTable: hasTable(tree),
   model: null,
   motion: null,
@@ -88,7 +97,7 @@ export class Catalogue {
       ([bare]) => this.chooseFoliage(bare),
     );
     watch(
-      () => [settings.planted, state.inventory],
+      () => [settings.planted, settings.shares, state.inventory],
       () => this.takePlanted(),
     );
     this.stream = followEvents({
@@ -108,21 +117,27 @@ export class Catalogue {
     this.listeners.push(listener);
   }
 
-  /** The built-in trees and the planted uploads. */
+  /** The built-in trees that are in the mix, and the planted uploads. */
   private get grown(): Entry[] {
     return [...this.entries.values()].filter((entry) => this.isGrown(entry));
   }
 
   /** Other uploads are listed but not loaded. */
   private isGrown({ tree }: Entry): boolean {
-    return tree.builtin || plantedAs(this.store.settings, tree.id) !== null || this.isInInventory(tree);
+    const { settings, state } = this.store;
+    const inventory = state.inventory === "loading" ? null : state.inventory;
+    if (tree.builtin) return inventory ? inventory.builtin.has(tree.species ?? "") : this.isInMix(tree);
+    return plantedAs(settings, tree.id) !== null || (inventory !== null && isNamedIn(inventory, tree));
   }
 
-  /** Whether a tree has the name of a species in the inventory. */
-  private isInInventory(tree: Tree): boolean {
-    const { inventory } = this.store.state;
-    if (inventory === null || inventory === "loading") return false;
-    return [tree.id, displayName(tree)].some((name) => inventory.names.has(name.toLowerCase()));
+  /** Whether trees of this built-in species are planted in the forest. */
+  private isInMix(tree: Tree): boolean {
+    const kind = kindOf(toGrown(tree), this.builtin);
+    return (this.store.settings.shares[kind] ?? 1) > 0;
+  }
+
+  private get builtin(): Grown[] {
+    return [...this.entries.values()].flatMap(({ tree }) => (tree.builtin ? [toGrown(tree)] : []));
   }
 
   get assets(): TreeAsset[] {
@@ -143,13 +158,10 @@ export class Catalogue {
 
   /** The built-in species with their forms: id and name of each. */
   get kinds(): { id: string; name: string }[] {
-    const builtin = [...this.entries.values()].flatMap(({ tree }) => (tree.builtin ? [tree] : []));
-    return kindsOf(builtin.map((tree) => ({ ...tree, form: tree.form ?? ("open" as Form) }))).flatMap(
-      ({ id, open, forest }) => {
-        const tree = open ?? forest;
-        return tree ? [{ id, name: displayName(tree) }] : [];
-      },
-    );
+    return kindsOf(this.builtin).flatMap(({ id, open, forest }) => {
+      const entry = this.entries.get((open ?? forest)?.id ?? "");
+      return entry ? [{ id, name: displayName(entry.tree) }] : [];
+    });
   }
 
   /** All uploads on the server, planted or not. */
@@ -201,7 +213,7 @@ export class Catalogue {
     if (entries.filter((entry) => this.chooseMotion(entry)).length > 0) this.assetChanges.value++;
   }
 
-  /** Loads the uploads that were not planted before. */
+  /** Loads the trees that were not planted before. */
   private takePlanted(): void {
     for (const entry of this.grown) {
       this.chooseMotion(entry);
@@ -259,16 +271,17 @@ export class Catalogue {
     const { mesh_sha256: mesh } = entry.tree;
     if (!mesh || mesh === entry.mesh) return;
     entry.mesh = mesh;
-    const model = await this.readInTurn(await fetchMesh(mesh), entry.tree.builtin);
+    const { builtin, evergreen } = entry.tree;
+    const model = await this.readInTurn(await fetchMesh(mesh), { varied: builtin, evergreen });
     if (entry.mesh !== mesh) return;
     entry.asset.model = model;
     this.join(entry);
   }
 
   /** Reads one mesh at a time and lets frames and messages in between, so that the first tree moves at once. */
-  private readInTurn(opened: OpenedTree, varied: boolean): Promise<TreeModel> {
+  private readInTurn(opened: OpenedTree, kind: TreeKind): Promise<TreeModel> {
     const turn = this.reading.then(() => new Promise((done) => setTimeout(done)));
-    const model = turn.then(() => readTreeModel(opened, varied));
+    const model = turn.then(() => readTreeModel(opened, kind));
     this.reading = model.catch(() => undefined);
     return model;
   }

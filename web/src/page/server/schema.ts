@@ -454,6 +454,7 @@ export interface Schemas {
     created_at: string;
     updated_at: string;
     report: Record<string, unknown>;
+    evergreen: boolean;
   };
   /**
    * Bending strain at the outermost fibre along the axes of a tree, as it is drawn, and what this is not
@@ -482,8 +483,8 @@ export interface Schemas {
    * job. `records_sha256` is null until the records of the paper's state search are computed.
    * `bare_table_sha256` is the table of the same mesh without its leaves, for the winter; null: there is
    * none. `form`: grown in the open, or slender between other trees; a built-in species may have one tree of
-   * each form. `compliance_sha256` is needed only to pull the tree at a point. `updated_at` changes with
-   * every change of the tree, also of its report.
+   * each form. `compliance_sha256` is needed only to pull the tree at a point. `evergreen`: its species keeps
+   * its leaves or needles in winter. `updated_at` changes with every change of the tree, also of its report.
    */
   TreeSummary: {
     id: string;
@@ -501,6 +502,7 @@ export interface Schemas {
     job_id: string | null;
     created_at: string;
     updated_at: string;
+    evergreen: boolean;
   };
   /** A valid wind document (spec/formats/wind.md). */
   WindOut: {

@@ -63,10 +63,13 @@ const LONGEST_ADDRESS = 500;
 
 type NumberKey = keyof typeof LIMITS;
 
+/** Built-in species that are not planted unless the visitor wants them: the mix has five, whose meshes are loaded at the start. */
+const LEFT_OUT = ["apricot", "oak", "ash", "sycamore", "willow", "pine", "larch"];
+
 export const DEFAULTS: Settings = {
   trees: 400,
   density: 1,
-  shares: {},
+  shares: Object.fromEntries(LEFT_OUT.map((id) => [id, 0])),
   planted: {},
   form: "place",
   inventory: "",
@@ -98,19 +101,20 @@ const NAMES: Record<NumberKey, string> = {
 
 const FLAGS = { panel: "panel", background: "background", flutter: "flutter", embed: "embed" } as const;
 const numberKeys = Object.keys(LIMITS) as NumberKey[];
-/** Parses "maple:0.5,poplar:0"; invalid parts are ignored. */
-function sharesFrom(text: string): Record<string, number> {
-  const shares: Record<string, number> = {};
+/** Parses what differs from the usual shares, such as "maple:0.5,poplar:0"; invalid parts are ignored. */
+function sharesFrom(text: string, usual: Settings["shares"]): Record<string, number> {
+  const shares: Record<string, number> = { ...usual };
   for (const part of text.split(",").slice(0, 64)) {
     const [, id, number] = /^([\w-]{1,64}):(\d*\.?\d+)$/.exec(part) ?? [];
     if (id) shares[id] = Math.min(1, Number(number));
   }
-  return shares;
+  return Object.fromEntries(Object.entries(shares).filter(([, share]) => share !== 1));
 }
 
-const textOfShares = (shares: Readonly<Record<string, number>>): string =>
-  Object.entries(shares)
-    .filter(([, share]) => share !== 1)
+const textOfShares = (shares: Settings["shares"], usual: Settings["shares"]): string =>
+  Object.keys({ ...usual, ...shares })
+    .map((id) => [id, shares[id] ?? 1] as const)
+    .filter(([id, share]) => share !== (usual[id] ?? 1))
     .map(([id, share]) => `${id}:${Number(share.toFixed(2))}`)
     .join(",");
 
@@ -143,7 +147,7 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   const quality = given.get("quality");
   if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
   const mix = given.get("mix");
-  if (mix !== null) settings.shares = sharesFrom(mix);
+  if (mix !== null) settings.shares = sharesFrom(mix, defaults.shares);
   const planted = given.get("tree");
   if (planted !== null) settings.planted = plantedFrom(planted);
   const form = FORM_CHOICES.find((name) => name === given.get("form"));
@@ -174,7 +178,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   if (settings.lookup !== defaults.lookup) query.set("lookup", settings.lookup);
   if (settings.method !== defaults.method) query.set("method", settings.method);
   if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
-  const mix = textOfShares(settings.shares);
+  const mix = textOfShares(settings.shares, defaults.shares);
   if (mix) query.set("mix", mix);
   const planted = textOfPlanted(settings.planted);
   if (planted !== textOfPlanted(defaults.planted)) query.set("tree", planted);

@@ -24,6 +24,8 @@ export const shared = {
   uExaggeration: exaggeration,
 };
 
+const IN_LEAF = { value: 0 };
+
 export interface CardUniforms {
   /** Nodes of the simulated trees of this species, or null. */
   readonly uNodes: { value: Texture | null };
@@ -44,6 +46,7 @@ function uniformsOf(
     ...seasonal,
     ...shared,
     ...own,
+    uBare: model.evergreen ? IN_LEAF : shared.uBare,
     uColour: { value: colour.texture },
     uSurface: { value: surface.texture },
     uBoxM: { value: new Vector3(box.across_m, box.up_m, box.middle_m) },

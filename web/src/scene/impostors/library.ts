@@ -62,7 +62,7 @@ export class ImpostorLibrary {
   setLeafless(leafless: boolean): void {
     if (leafless === this.leafless) return;
     this.leafless = leafless;
-    for (const atlas of this.atlases.values()) atlas.restart(leafless);
+    for (const atlas of this.atlases.values()) if (!atlas.model.evergreen) atlas.restart(leafless);
   }
 
   /** After a loss of the graphics context: its pictures are gone. */

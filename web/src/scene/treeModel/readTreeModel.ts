@@ -230,11 +230,15 @@ function flareOf(read: readonly ReadPart[]): AddedPart[] {
   return [{ part: added, of }];
 }
 
-/**
- * Reads an opened tree; throws if it contains no mesh. `varied`: a built-in tree: each instance lacks some limbs, leans, and has
- * a root flare.
- */
-export function readTreeModel({ scene, sprays }: OpenedTree, varied = false): TreeModel {
+/** What is known of a tree besides its file. */
+export interface TreeKind {
+  /** A built-in tree: each instance lacks some limbs, leans, and has a root flare. */
+  readonly varied: boolean;
+  readonly evergreen: boolean;
+}
+
+/** Reads an opened tree; throws if it contains no mesh. */
+export function readTreeModel({ scene, sprays }: OpenedTree, { varied, evergreen }: TreeKind): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
   if (varied) assignKeys(read);
   const parts = read.map(({ part }) => part);
@@ -254,6 +258,7 @@ export function readTreeModel({ scene, sprays }: OpenedTree, varied = false): Tr
       return nearParts;
     },
     leans: varied,
+    evergreen,
     height_m,
     radius_m,
   };

@@ -61,6 +61,8 @@ export interface TreeModel {
   readonly materials: readonly MeshStandardMaterial[];
   /** Whether each tree has a lean of its own (lean.ts). */
   readonly leans: boolean;
+  /** Whether the leaves stay in winter. */
+  readonly evergreen: boolean;
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
   readonly radius_m: number;
@@ -209,6 +211,7 @@ export function readPlainTree(scene: Object3D): TreeModel {
     added: [],
     near: [],
     leans: false,
+    evergreen: false,
     height_m,
     radius_m,
   };

@@ -47,7 +47,7 @@ export class Atlas {
 
   /** Draws all views again; until then the old ones are shown. */
   restart(leafless: boolean): void {
-    this.leafless = leafless;
+    this.leafless = leafless && !this.model.evergreen;
     this.done = 0;
   }
 

@@ -5,7 +5,7 @@ import { VIEWS_PER_SIDE } from "./octahedral";
 export const COLOUR_SIDE = 128;
 export const SURFACE_SIDE = 64;
 /** Atlases kept at a time, which limits the memory: further species keep their geometry at every distance. */
-export const MOST_ATLASES = 7;
+export const MOST_ATLASES = 12;
 
 /** Mip levels add a third. */
 const MIP_FACTOR = 4 / 3;

@@ -1,0 +1,155 @@
+import { scalyBark } from "../pictures/barks";
+import { needle } from "../pictures/leaf-shapes";
+import type { Species } from "../species";
+
+/** Norway spruce grown in the open: a cone of many thin boughs down to the ground, with hanging branchlets. */
+export const spruce: Species = {
+  id: "spruce",
+  name: "Norway spruce",
+  wood: "spruce",
+  form: "open",
+  height_m: 20,
+  habit: {
+    seed: 1103,
+    options: {
+      type: "deciduous",
+      trellis: { enabled: false },
+      branch: {
+        levels: 2,
+        length: { 0: 45, 1: 12, 2: 5 },
+        radius: { 0: 1.2, 1: 0.4, 2: 0.5 },
+        sections: { 0: 12, 1: 4, 2: 3 },
+        gnarliness: { 0: 0.008, 1: 0.03, 2: 0.03 },
+        force: { direction: { x: 0, y: 1, z: 0 }, strength: 0.012 },
+        taper: { 0: 0.6, 1: 0.6, 2: 0.6 },
+      },
+    },
+    branching: [
+      {
+        count: [36, 17, 5],
+        start: 0.1,
+        angle_deg: [98, 94, 88, 80, 70, 58],
+        length: [12.2, 12, 10.4, 8.4, 5.8, 2.2],
+        steepest: 1,
+        scatter: 0.08,
+      },
+    ],
+    leader: [[0.5, 0.3], [0.5], []],
+  },
+  girth: {
+    breast_radius_m: 0.17,
+    taper: 1,
+    bough_radius_m: 0.032,
+    tip_radius_m: 0.009,
+    exponent: 0.5,
+    flare: 0.3,
+    flare_height_m: 0.3,
+  },
+  cut: { segments: [9, 4], bark_tile_m: [0.6, 1.2] },
+  twigs: {
+    count: 480,
+    length_m: [0.8, 0.75, 0.5],
+    scatter: 0.25,
+    radius_m: 0.006,
+    angle_deg: [74, 62, 46],
+    density: [
+      [0, 0, 0, 0, 0.2, 0.5, 1.1],
+      [0.5, 1, 1.1, 1],
+    ],
+    rise: -0.7,
+    nodes: 3,
+    perNode: 2,
+    side_angle_deg: 46,
+    side_length: 0.5,
+    zigzag: 0,
+    colour: [0.13, 0.085, 0.06],
+  },
+  foliage: {
+    cards: 2750,
+    size_m: 0.5,
+    scatter: 0.2,
+    angle_deg: [52, 42, 22],
+    lift: -0.25,
+    shade: 0.45,
+    bough_tint: 0.12,
+    card_tint: 0.16,
+  },
+  leaf: {
+    ...needle(0.075),
+    palettes: [
+      [
+        [0.16, 0.29, 0.14],
+        [0.2, 0.34, 0.16],
+        [0.13, 0.25, 0.13],
+      ],
+      [
+        [0.19, 0.33, 0.16],
+        [0.24, 0.38, 0.18],
+        [0.15, 0.28, 0.14],
+      ],
+      [
+        [0.14, 0.27, 0.14],
+        [0.18, 0.32, 0.16],
+        [0.12, 0.23, 0.12],
+      ],
+      [
+        [0.22, 0.36, 0.17],
+        [0.18, 0.31, 0.15],
+        [0.27, 0.4, 0.19],
+      ],
+    ],
+    vein: [0.3, 0.42, 0.26],
+    stem: [0.36, 0.24, 0.15],
+    length: 0.062,
+    petiole: 0,
+    leavesPerCard: 640,
+    leavesPerSpray: 420,
+    sideShoots: 8,
+    branchedSpray: true,
+    angle_deg: 50,
+  },
+  bark: scalyBark(83, { dark: [0.17, 0.11, 0.085], light: [0.5, 0.39, 0.32] }, 14, 20),
+  barkRelief: 3,
+};
+
+/** Grown in a closed forest: a slender stem with a narrow crown on its upper half. */
+export const spruceForest: Species = {
+  ...spruce,
+  id: "spruce-forest",
+  name: "Norway spruce, forest-grown",
+  form: "forest",
+  height_m: 22,
+  habit: {
+    ...spruce.habit,
+    seed: 1118,
+    branching: [
+      {
+        count: [0, 26, 14],
+        start: 1,
+        angle_deg: [96, 95, 92, 86, 76, 60],
+        length: [5, 6, 6.6, 5.8, 4, 1.8],
+        steepest: 1,
+        scatter: 0.1,
+      },
+    ],
+    leader: [[0.6, 0.5], [0.5], []],
+  },
+  girth: {
+    ...spruce.girth,
+    breast_radius_m: 0.123,
+    taper: 0.85,
+    bough_radius_m: 0.017,
+    tip_radius_m: 0.0085,
+  },
+  twigs: {
+    ...spruce.twigs,
+    count: 280,
+    length_m: [0.62, 0.6, 0.42],
+    radius_m: 0.005,
+    density: [
+      [0, 0, 0, 0, 0, 0.4, 1.6],
+      [0.4, 1, 1.1, 1],
+    ],
+  },
+  foliage: { ...spruce.foliage, cards: 1650, size_m: 0.44 },
+};
