@@ -129,7 +129,7 @@ test-python: $(VENV)/.dev build/.kernels web/dist/index.html ## the Python tests
 test-python-long: $(VENV)/.dev build/.kernels wheel
 	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m long
 
-test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
+test-species: $(VENV)/.dev ## the claimed accuracy of poplar, maple and apricot, in every unseen wind (ten minutes and more)
 	$(PYTEST) -m species -rP tests/precompute/check/test_species_accuracy.py
 
 test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far from the repository
@@ -179,7 +179,7 @@ format: $(VENV)/.dev node_modules/.stamp ## rewrite the sources in the project's
 	$(BIN)/ruff format .
 	npm run --silent format
 
-species: node_modules/.stamp build/.kernels ## grow the three species again, and build their shipped tables
+species: node_modules/.stamp build/.kernels ## grow all species again, and build their shipped tables
 	cd tools/species && npm run --silent grow
 	$(BIN)/galewood ship
 

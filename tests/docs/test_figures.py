@@ -13,7 +13,7 @@ from tests.precompute.check.accuracy import ORDINARY, STATED_LIMIT
 
 ROOT = Path(__file__).parents[2]
 SPECIES_FOLDER = ROOT / "assets" / "species"
-COUNTS = {"three": 3, "six": 6, "twelve": 12}
+COUNTS = {"three": 3, "twelve": 12, "24": 24}
 
 
 def text_of(page: str) -> str:

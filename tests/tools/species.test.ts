@@ -83,9 +83,11 @@ function distanceToSegment_m(p: Vec, a: Vec, b: Vec): number {
   return Math.hypot(ap[0] - t * ab[0], ap[1] - t * ab[1], ap[2] - t * ab[2]);
 }
 
-it("lists two forms of each of the three species with their files", () => {
+it("lists two forms of each of the twelve species with their files", () => {
   expect(listed.map(({ id, file }) => [id, file])).toEqual(SPECIES.map(({ id }) => [id, `${id}.glb`]));
-  for (const wood of ["poplar", "maple", "apricot"]) {
+  const woods = new Set(listed.map(({ species }) => species));
+  expect(woods.size).toBe(12);
+  for (const wood of woods) {
     const forms = listed.filter(({ species }) => species === wood);
     expect(forms.map(({ id, form }) => [id, form])).toEqual([
       [wood, "open"],

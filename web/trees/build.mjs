@@ -1,5 +1,5 @@
 /** Builds the package into dist/: the tables and light meshes of the built-in trees, and a module for each. */
-import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -49,13 +49,13 @@ function withPictures(glb, folder) {
 }
 
 /** The module of a tree. Bundlers take an address along if both of its parts stand there as they are. */
-function moduleOf({ id, name, species, form, height_m, credits }) {
+function moduleOf({ id, name, species, form, height_m, credits }, bare) {
   const url = (file) => `new URL("./files/${file}", import.meta.url).href`;
   const facts = Object.entries({ id, name, species, form, height_m, credits });
   return `export default {
 ${facts.map(([key, value]) => `  ${key}: ${JSON.stringify(value)},`).join("\n")}
   tableUrl: ${url(`${id}.table`)},
-  bareTableUrl: ${url(`${id}.bare.table`)},
+  bareTableUrl: ${bare ? url(`${id}.bare.table`) : null},
   meshUrl: ${url(`${id}.glb`)},
 };
 `;
@@ -66,12 +66,13 @@ const nameOf = (id) => id.replace(/-(.)/g, (_, letter) => letter.toUpperCase());
 rmSync(DIST, { recursive: true, force: true });
 mkdirSync(join(DIST, "files"), { recursive: true });
 for (const tree of trees) {
-  for (const file of [`${tree.id}.table`, `${tree.id}.bare.table`]) {
+  const bare = existsSync(join(SPECIES, "shipped", `${tree.id}.bare.table`)); // evergreens have none
+  for (const file of [`${tree.id}.table`, ...(bare ? [`${tree.id}.bare.table`] : [])]) {
     copyFileSync(join(SPECIES, "shipped", file), join(DIST, "files", file));
   }
   const glb = readFileSync(join(SPECIES, "light", `${tree.id}.glb`));
   writeFileSync(join(DIST, "files", `${tree.id}.glb`), withPictures(glb, join(SPECIES, "light")));
-  writeFileSync(join(DIST, `${tree.id}.js`), moduleOf(tree));
+  writeFileSync(join(DIST, `${tree.id}.js`), moduleOf(tree, bare));
 }
 const ids = trees.map(({ id }) => id);
 writeFileSync(

@@ -4,7 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.wood.species import SPECIES, wood_of_species
+from galewood.wood.species import SPECIES, is_evergreen, wood_of_species
+
+
+MEASURED_EXPONENTS = {"oak": 1.64, "spruce": 1.49, "pine": 1.25, "larch": 1.25}
 
 
 @pytest.mark.parametrize("name", sorted(SPECIES))
@@ -15,7 +18,7 @@ def test_every_species_is_stable_green_wood(name: str) -> None:
     assert wood.young_transverse_pa < 0.2 * wood.young_longitudinal_pa
     assert 500 < wood.density_kg_m3 < 1200
     assert 0.02 <= wood.damping_ratio <= 0.05
-    assert wood.streamlined_exponent == (1.64 if name == "oak" else 1.3)
+    assert wood.streamlined_exponent == MEASURED_EXPONENTS.get(name, 1.3)
     assert 0.005 < wood.rupture_strain < 0.008
     assert wood.source
 
@@ -25,6 +28,12 @@ def test_every_species_is_stable_green_wood(name: str) -> None:
 )
 def test_rupture_strains_of_the_measured_trees(name: str, strain: float) -> None:
     assert wood_of_species(name).rupture_strain == pytest.approx(strain, rel=0.005)
+
+
+def test_conifers_but_the_larch_are_evergreen() -> None:
+    assert {name for name in SPECIES if is_evergreen(name)} == {"conifer", "pine", "spruce"}
+    assert is_evergreen(" Fir ")
+    assert not is_evergreen("triffid") and not is_evergreen(None)
 
 
 def test_aliases_are_accepted_in_any_case() -> None:

@@ -37,8 +37,8 @@ def show(
     ``widget.wind`` changes the wind while they sway, and follows the controls below the picture.
 
     Args:
-        tree: A built-in tree ("poplar", "maple", "apricot", each also as "maple-forest", grown in a closed
-            forest), the path of a table, a table (``galewood.build``, ``galewood.load``), or a tree
+        tree: A built-in tree ("poplar", "maple", "oak", "spruce", …, each also as "maple-forest", grown in a
+            closed forest), the path of a table, a table (``galewood.build``, ``galewood.load``), or a tree
             (``galewood.read``), whose motion is then estimated from beams along its branches.
         mesh: The GLB that belongs to the table at a path; by default the one beside it.
         trees: Number of trees, 1 to 500.

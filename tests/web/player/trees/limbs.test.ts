@@ -49,7 +49,7 @@ function truth({ parent, branch, level }: Skeleton): Map<number, number> {
   return limb;
 }
 
-describe.each(["poplar", "maple", "apricot", "poplar-forest", "maple-forest", "apricot-forest"])("%s", (name) => {
+describe.each(["poplar", "maple", "apricot", "willow", "spruce", "poplar-forest", "maple-forest", "apricot-forest", "pine-forest"])("%s", (name) => {
   test("the limbs of branches, twigs and leaves are those of the generator", { timeout: 60_000 }, async () => {
     const skeleton = JSON.parse(readFileSync(path(`${name}.skeleton.json`), "utf8")) as Skeleton;
     const limb = truth(skeleton);

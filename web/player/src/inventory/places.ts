@@ -20,7 +20,7 @@ const placeOf = (
 /**
  * The places of every kind of tree, about the middle of the plot: x to the east, z to the south. `heights_m`: heights of the
  * kinds (m), by their names. A stem is a tree with the name of its species as the file has it, else of the built-in species that stands
- * for it (`poplar`, `maple` or `apricot`), else of the first kind. Trees are scaled to the height of the stem.
+ * for it (`poplar`, `maple`, …), else of the first kind. Trees are scaled to the height of the stem.
  */
 export function placesOf<Name extends string>(
   { stems }: Pick<Inventory, "stems">,
