@@ -31,6 +31,7 @@ OPTIONS = ExportOptions(wind=PRESETS["storm-front"], seconds=4.0)
 TIME_S = 1.0
 WIDTH_PX, HEIGHT_PX = 320, 380
 MOST_BYTES = 60_000
+SKY_RGB = (188, 214, 234)
 WIND_S = 2.5
 """How long MuJoCo's wind blows before the picture."""
 IN_BROWSER = {
@@ -62,6 +63,8 @@ def main() -> None:
                 stage = str(folder / "usd/tree.usdc")
                 asked_of = [command, str(HERE / "inBlender.py"), stage, frame, str(height_m), str(picture)]
                 subprocess.run(asked_of, check=True, stdout=subprocess.DEVNULL)
+            elif kind == "impostor":
+                on_sky(Image.open(folder / kind / "tree_base_color.png")).save(picture)
             else:
                 Image.fromarray(in_mujoco(folder / kind, kind, height_m)).save(picture)
         request = folder / "request.json"
@@ -74,6 +77,13 @@ def main() -> None:
             Image.open(folder / f"{kind}.png").convert("RGB").save(path, quality=80, method=6)
             assert path.stat().st_size <= MOST_BYTES, path
             print(path, path.stat().st_size)
+
+
+def on_sky(atlas: Image.Image) -> Image.Image:
+    """The upper left quarter of the views, in front of a sky: from the horizon up to near the zenith."""
+    sky = Image.new("RGBA", atlas.size, (*SKY_RGB, 255))
+    sky.alpha_composite(atlas)
+    return sky.crop((0, 0, atlas.width // 2, atlas.height // 2)).resize((HEIGHT_PX, HEIGHT_PX))
 
 
 def in_mujoco(folder: Path, kind: str, height_m: float) -> Any:
@@ -100,7 +110,7 @@ def in_mujoco(folder: Path, kind: str, height_m: float) -> Any:
     renderer.enable_segmentation_rendering()
     renderer.update_scene(data, camera)
     empty = renderer.render()[:, :, 0] < 0
-    return np.where(empty[:, :, None], np.array([188, 214, 234], np.uint8), picture)
+    return np.where(empty[:, :, None], np.array(SKY_RGB, np.uint8), picture)
 
 
 if __name__ == "__main__":

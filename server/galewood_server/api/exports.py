@@ -78,8 +78,8 @@ async def get_export(
 ) -> Response:
     """A tree that sways, by default in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB),
     `pivots` (for Unreal), `usd`, `glb` (morph targets), `live` (morph targets that the file itself moves),
-    and, without a loop, `mjcf` (rigid bodies for MuJoCo) and `urdf` (for robot simulators). The first
-    request for it takes some seconds."""
+    and, without a loop, `impostor` (pictures from all sides, to be drawn far away), `mjcf` (rigid bodies for
+    MuJoCo) and `urdf` (for robot simulators). The first request for it takes some seconds."""
     options = query.options()
     source = await asyncio.to_thread(_source, service, tree_id, options.name)
     if kind in RIGID_KINDS and source.compliance_sha256 is None:

@@ -98,6 +98,18 @@ def test_a_rigged_tree_has_a_clip_for_each_wind_and_a_file_for_each_level(server
         assert [clip["animation"] for clip in told["clips"]] == ["Small_breeze", "Small_storm-front"]
 
 
+def test_pictures_of_a_tree_are_of_the_asked_size(server: Server) -> None:
+    with server.client() as api:
+        answer = api.get("/api/trees/small/exports/impostor", params={"pixels": "256"}, timeout=120)
+        assert answer.status_code == 200, answer.text
+        with zipfile.ZipFile(io.BytesIO(answer.content)) as files:
+            pictures = {"Small_base_color.png", "Small_normal_depth.png"}
+            assert set(files.namelist()) == {"Small.json", *pictures}
+            assert json.loads(files.read("Small.json"))["view_pixels"] == 32
+        too_large = api.get("/api/trees/small/exports/impostor", params={"pixels": "16384"})
+        assert problem(too_large) == (422, "invalid-request")
+
+
 @pytest.mark.parametrize(("kind", "ending"), [("mjcf", "xml"), ("urdf", "urdf")])
 def test_a_tree_of_rigid_bodies_is_fitted_to_its_compliance(server: Server, kind: str, ending: str) -> None:
     with server.client() as api:

@@ -30,20 +30,22 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
         table: The table, with its mesh.
         options: As keywords. ``to``: what to write, "vat" (vertex animation textures), "bones" (a rigged
             GLB), "pivots" (for Unreal), "usd", "glb" (morph targets), "live" (morph
-            targets that the file itself moves, in any wind), "mjcf" (rigid bodies for MuJoCo) or "urdf"
-            (for robot simulators), which ignore wind and loop. ``out``: folder to write, created if
+            targets that the file itself moves, in any wind), "impostor" (pictures from all sides, to be drawn
+            far away), "mjcf" (rigid bodies for MuJoCo) or "urdf" (for robot simulators); the last three
+            ignore wind and loop. ``out``: folder to write, created if
             needed. ``name``: name of the files and of what is in them, by default that of the table's file.
             ``wind``: by default one of 8 m/s. ``winds``: several by name, {"calm":
             galewood.PRESETS["breeze"], …}: a clip for each, of "bones" and "pivots". ``seconds``: length of
             the motion, rounded to steps of the table. ``loop``: whether its end meets its beginning, in the
             wind made periodic. ``fps``: frames per second. ``format``: textures of "vat", "exr" or "png".
-            ``bones``: most bones of a skeleton, or bodies.
+            ``bones``: most bones of a skeleton, or bodies. ``pixels``: along each side of the pictures of
+            "impostor".
             ``levels``: levels of detail of "vat", "bones" and "pivots", 1 to 5. ``on_progress``: receives the
             fraction done and a message.
 
     Returns:
         The description that is also written as JSON; ``measured`` holds error and seam, in % of the height
-        ("mjcf", "urdf": errors of frequencies, damping and deflection, %).
+        ("mjcf", "urdf": errors of frequencies, damping and deflection, %; "impostor": none).
 
     Raises:
         ExportError: A package or a file is missing, or the mesh is another tree's (a ValueError).

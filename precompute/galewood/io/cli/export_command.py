@@ -31,7 +31,8 @@ To = Annotated[
     str,
     typer.Option(
         help="vat (textures), bones (rigged GLB), pivots (Unreal), usd, glb (morphs), "
-        "live (morphs that move by themselves), mjcf (MuJoCo), or urdf (robot simulators)."
+        "live (morphs that move by themselves), impostor (pictures from all sides, for far away), "
+        "mjcf (MuJoCo), or urdf (robot simulators)."
     ),
 ]
 MESH_HELP = "Mesh of the table; default: TABLE with .glb."

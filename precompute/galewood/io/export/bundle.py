@@ -11,6 +11,7 @@ from typing import Any
 
 from galewood.io.export.errors import ExportError
 from galewood.io.export.glb import export_glb
+from galewood.io.export.impostor.export import export_impostor
 from galewood.io.export.live.export import export_live
 from galewood.io.export.looped import Loop, looped
 from galewood.io.export.mjcf.export import export_mjcf
@@ -63,6 +64,11 @@ def write_export(
         report(0.0, "Fitting rigid bodies to the tree")
         export_rigid = export_mjcf if kind == "mjcf" else export_urdf
         description = export_rigid(table, glb, compliance, folder, name, chosen.bones)
+        report(1.0, "Done")
+        return description
+    if kind == "impostor":
+        report(0.0, "Drawing the tree from all sides")
+        description = export_impostor(table, glb, folder, name, chosen)
         report(1.0, "Done")
         return description
     report(0.0, "Playing the wind")

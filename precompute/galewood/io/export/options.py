@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 from galewood.constants import LEVEL_SHARES
 from galewood.motion.wind import Wind
 
-ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "live", "mjcf", "urdf"]
+ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "live", "impostor", "mjcf", "urdf"]
 KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
 TextureFormat = Literal["exr", "png"]
 EXPORT_REVISION = 3
@@ -48,6 +48,9 @@ class LoopOptions(BaseModel):
     )
     fps: float = Field(default=30.0, ge=5, le=120, description="Frames per second.")
     format: TextureFormat = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
+    pixels: int = Field(
+        default=2048, ge=256, le=4096, description="Of impostor: pixels along each side of its pictures."
+    )
     bones: int = Field(default=MOST_BONES, ge=4, description="Most bones; mjcf, urdf: most bodies.")
     levels: int = Field(
         default=1,
