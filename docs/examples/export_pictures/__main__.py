@@ -1,6 +1,6 @@
 """Pictures of the exports in the programs that open them, for the table of docs/how-to/exports.md.
 
-Run from the repository: ``python docs/examples/export_pictures docs/images/exports [KIND ...]``, with
+Run from the repository: ``python docs/examples/export_pictures docs/images/exports [PICTURE ...]``, with
 MUJOCO_GL=egl where there is no display, and with BLENDER_PYTHON, a Python that has the package bpy, for the
 kind usd.
 """
@@ -37,25 +37,29 @@ WIND_S = 2.5
 IN_BROWSER = {
     "vat": ("three", "tree.json"),
     "bones": ("three", "tree.glb"),
+    "bones-playcanvas": ("playcanvas", "tree.glb"),
     "pivots": ("three", "tree_rigged.glb"),
     "glb": ("three", "tree.glb"),
     "live": ("babylon", "tree.glb"),
 }
-"""Program and file of each kind that Chromium shows."""
+"""Program and file of each picture that Chromium draws."""
+PICTURES = (*KINDS, "bones-playcanvas")
+"""Named after the kind, and the program if it is a second one."""
 
 
 def main() -> None:
     """Export, draw and write a WebP for each kind."""
-    out, kinds = Path(sys.argv[1]), sys.argv[2:] or list(KINDS)
+    out, pictures = Path(sys.argv[1]), sys.argv[2:] or list(PICTURES)
     table, glb = decode(TREE_PATH.read_bytes()), TREE_PATH.with_suffix(".glb").read_bytes()
     height_m = float(table.metadata["height_m"])
     with tempfile.TemporaryDirectory() as text:
         folder, asked = Path(text), list[dict[str, Any]]()
-        for kind in kinds:
-            picture, compliance = folder / f"{kind}.png", read_compliance(TREE_PATH)
+        for name in pictures:
+            kind = name.partition("-")[0]
+            picture, compliance = folder / f"{name}.png", read_compliance(TREE_PATH)
             write_export(table, glb, kind, folder / kind, "tree", OPTIONS, compliance=compliance)
-            if kind in IN_BROWSER:
-                program, file = IN_BROWSER[kind]
+            if name in IN_BROWSER:
+                program, file = IN_BROWSER[name]
                 scene = {"time_s": TIME_S, "height_m": height_m, "picture": str(picture)}
                 asked.append({"program": program, "folder": str(folder / kind), "file": file, **scene})
             elif kind == "usd":
@@ -72,9 +76,9 @@ def main() -> None:
         if asked:
             subprocess.run(["node", str(HERE / "inBrowser.mjs"), str(request)], check=True, cwd=REPOSITORY)
         out.mkdir(parents=True, exist_ok=True)
-        for kind in kinds:
-            path = out / f"{kind}.webp"
-            Image.open(folder / f"{kind}.png").convert("RGB").save(path, quality=80, method=6)
+        for name in pictures:
+            path = out / f"{name}.webp"
+            Image.open(folder / f"{name}.png").convert("RGB").save(path, quality=80, method=6)
             assert path.stat().st_size <= MOST_BYTES, path
             print(path, path.stat().st_size)
 

@@ -1,7 +1,7 @@
 /**
  * Draws exports in Chromium and writes PNGs: node inBrowser.mjs REQUEST.json, run from the repository.
  *
- * The request is a list of { program: "three" | "babylon", folder, file, time_s, height_m, picture }.
+ * The request is a list of { program: "three" | "babylon" | "playcanvas", folder, file, time_s, height_m, picture }.
  */
 import { existsSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
@@ -25,13 +25,21 @@ const browser = await chromium.launch({
 const canvas = `<canvas width="${SIDE_PX.width}" height="${SIDE_PX.height}"></canvas>`;
 const html = `<!doctype html><style>body { margin: 0 } canvas { display: block }</style>${canvas}
 <script type="importmap">${JSON.stringify({ imports: THREE })}</script><script type="module" src="/page.js"></script>`;
-const babylon = await build({ entryPoints: [BABYLON_PAGE], bundle: true, format: "esm", write: false, logLevel: "error" });
+const bundled = async (page) => {
+  const { outputFiles } = await build({ entryPoints: [page], bundle: true, format: "esm", write: false, logLevel: "error" });
+  return outputFiles[0].text;
+};
+const pages = {
+  three: readFileSync(join(HERE, "threePage.js"), "utf8"),
+  babylon: await bundled(BABYLON_PAGE),
+  playcanvas: await bundled(join(HERE, "playcanvasPage.js")),
+};
 
 for (const { program, folder, file, time_s, height_m, picture } of JSON.parse(readFileSync(process.argv[2], "utf8"))) {
   const page = await browser.newPage({ viewport: SIDE_PX });
   page.on("pageerror", (error) => console.error(picture, error.message));
   const bodyOf = (path) => {
-    if (path === "/page.js") return program === "babylon" ? babylon.outputFiles[0].text : readFileSync(join(HERE, "threePage.js"));
+    if (path === "/page.js") return pages[program];
     if (path.startsWith("/three/")) return readFileSync(join("node_modules", path));
     return readFileSync(join(folder, path));
   };
