@@ -38,7 +38,8 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
             galewood.PRESETS["breeze"], …}: a clip for each, of "bones" and "pivots". ``seconds``: length of
             the motion, rounded to steps of the table. ``loop``: whether its end meets its beginning, in the
             wind made periodic. ``fps``: frames per second. ``format``: textures of "vat", "exr" or "png".
-            ``bones``: most bones of a skeleton, or bodies. ``pixels``: along each side of the pictures of
+            ``bones``: most bones of a skeleton, or bodies. ``assembly``: of "usd", leaves as instances of
+            a few, for Unreal. ``pixels``: along each side of the pictures of
             "impostor".
             ``levels``: levels of detail of "vat", "bones" and "pivots", 1 to 5. ``on_progress``: receives the
             fraction done and a message.

@@ -85,10 +85,12 @@ def write_export(
 
 
 def _check_files(kind: str, options: ExportOptions) -> None:
-    """Raise ExportError for several winds or levels of a kind that has one."""
+    """Raise ExportError for several winds or levels of a kind that has one, or an assembly of another."""
     if options.winds and kind not in SEVERAL_WINDS:
         several = " and ".join(SEVERAL_WINDS)
         raise ExportError(f"{kind} plays one wind: choose it with wind; {several} take several winds")
+    if options.assembly and kind != "usd":
+        raise ExportError("assembly is an option of usd: leave it out, or export usd")
     if options.levels > 1 and kind not in SEVERAL_LEVELS:
         raise ExportError(f"{kind} has one level of detail; {', '.join(SEVERAL_LEVELS)} have several")
 
@@ -110,7 +112,7 @@ def _write(
     if kind == "vat":
         return export_vat(table, glb, loop, folder, name, options)
     if kind == "usd":
-        return export_usd(table, glb, loop, folder, name)
+        return export_usd(table, glb, loop, folder, name, options)
     if kind == "live":
         return export_live(table, glb, loop, folder, name)
     return export_glb(table, glb, loop, folder, name)

@@ -48,6 +48,10 @@ class LoopOptions(BaseModel):
     )
     fps: float = Field(default=30.0, ge=5, le=120, description="Frames per second.")
     format: TextureFormat = Field(default="exr", description="Textures of vat: exr or png (16 bits).")
+    assembly: bool = Field(
+        default=False,
+        description="usd: leaves as instances of a few, on a skeleton, for Unreal's Nanite assemblies.",
+    )
     pixels: int = Field(
         default=2048, ge=256, le=4096, description="Of impostor: pixels along each side of its pictures."
     )

@@ -16,7 +16,12 @@ import numpy as np
 from galewood.io.export.gltf_file import GltfFile
 from galewood.io.export.gltf_names import give_names
 from galewood.io.export.looped import Loop, seam
+from galewood.io.export.options import ExportOptions
 from galewood.io.export.skeletal.joints import RigidMotion, joint_motion, joint_of_vertex
+from galewood.io.export.skeletal.wind_groups import wind_groups
+from galewood.io.export.usd.assembly import assembly_error_percent, assembly_of
+from galewood.io.export.usd.assembly_stage import add_assembly
+from galewood.io.export.usd.geometry import Drawn, animate, bind_mesh, define_mesh, define_skeleton
 from galewood.io.export.usd.library import usd_library
 from galewood.io.export.usd.materials import add_materials
 from galewood.solid.skinning import drawn_positions
@@ -24,12 +29,18 @@ from galewood.table import Table
 from galewood.util import Floats
 
 
-def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
-    """Write NAME.usdc, its textures and a description; return it."""
+def export_usd(
+    table: Table, glb: bytes, loop: Loop, folder: Path, name: str, options: ExportOptions
+) -> dict[str, Any]:
+    """Write NAME.usdc, its textures and a description; return it. Raises ExportError.
+
+    With ``options.assembly`` the tree is one of parts, with NAME.wind.json beside it.
+    """
     pxr = usd_library()
     file = GltfFile(glb, table)
     give_names(file.gltf, name)
-    path = folder / f"{name}.usdc"
+    path, root = folder / f"{name}.usdc", f"/{pxr.Tf.MakeValidIdentifier(name)}"
+    assembly = assembly_of(table, file, loop, name, options.bones) if options.assembly else None
     stage = pxr.Usd.Stage.CreateNew(str(path))
     pxr.UsdGeom.SetStageUpAxis(stage, pxr.UsdGeom.Tokens.y)
     pxr.UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -37,82 +48,50 @@ def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) ->
     stage.SetFramesPerSecond(loop.fps)
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(loop.frames)
-    root = f"/{pxr.Tf.MakeValidIdentifier(name)}"
-    stage.SetDefaultPrim(pxr.UsdSkel.Root.Define(stage, root).GetPrim())
-    _add_skeleton(stage, root, table, joint_motion(table, loop.keys()))
-    _add_meshes(stage, root, table, file, add_materials(stage, root, file, folder))
+    rest_m, kind = file.rest_m(), pxr.UsdGeom.Xform if assembly else pxr.UsdSkel.Root
+    stage.SetDefaultPrim(kind.Define(stage, root).GetPrim())
+    materials = add_materials(stage, root, file, folder)
+    if assembly:
+        add_assembly(stage, root, file, assembly, materials)
+        motion = assembly.clip.motion
+        about = {"bones": len(assembly.rig.skeleton.node), **assembly.about()}
+        groups = wind_groups(table, assembly.rig.skeleton, motion)
+        (folder / f"{name}.wind.json").write_text(json.dumps(groups, indent=2) + "\n")
+        error_percent = assembly_error_percent(stage, root, table, rest_m, assembly)
+    else:
+        _add_skeleton(stage, root, table, joint_motion(table, loop.keys()))
+        _add_meshes(stage, root, table, file, materials)
+        about, error_percent = {"joints": len(table.joint_share)}, _error_percent(stage, table, rest_m, loop)
     stage.GetRootLayer().Save()
-    rest_m = file.rest_m()
     description: dict[str, Any] = {
         "format": "galewood-usd",
         "version": 1,
         "stage": path.name,
-        "joints": len(table.joint_share),
+        **about,
         **loop.about(table),
-        "measured": {"error_percent_of_height": _error_percent(stage, table, rest_m, loop)}
-        | seam(table, rest_m, loop),
+        "measured": {"error_percent_of_height": error_percent} | seam(table, rest_m, loop),
     }
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
     return description
 
 
 def _add_skeleton(stage: Any, root: str, table: Table, motion: RigidMotion) -> None:
-    pxr = usd_library()
     place = table.joint_rest_m.astype(np.float64)
     names = [f"joint_{index:04d}" for index in range(len(place))]
-    rest = pxr.Vt.Matrix4dArray(
-        [pxr.Gf.Matrix4d().SetTranslate(pxr.Gf.Vec3d(*row)) for row in place.tolist()]
-    )
-    skeleton = pxr.UsdSkel.Skeleton.Define(stage, f"{root}/skeleton")
-    skeleton.CreateJointsAttr(names)
-    skeleton.CreateBindTransformsAttr(rest)
-    skeleton.CreateRestTransformsAttr(rest)
-    animation = pxr.UsdSkel.Animation.Define(stage, f"{root}/skeleton/sway")
-    animation.CreateJointsAttr(names)
-    animation.CreateScalesAttr(pxr.Vt.Vec3hArray([pxr.Gf.Vec3h(1, 1, 1)] * len(names)))
-    translations, rotations = animation.CreateTranslationsAttr(), animation.CreateRotationsAttr()
-    for frame in range(len(motion.moved_m)):
-        where = (place + motion.moved_m[frame]).astype(np.float32)
-        translations.Set(pxr.Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(where)), frame)
-        turn = motion.rotation[frame].astype(np.float32)
-        rotations.Set(pxr.Vt.QuatfArray.FromNumpy(np.ascontiguousarray(turn)), frame)
-    pxr.UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(
-        [animation.GetPrim().GetPath()]
-    )
+    skeleton = define_skeleton(stage, f"{root}/skeleton", names, place, place)
+    animate(stage, skeleton, names, RigidMotion(place + motion.moved_m, motion.rotation))
 
 
 def _add_meshes(stage: Any, root: str, table: Table, file: GltfFile, materials: list[Any]) -> None:
-    pxr = usd_library()
-    identity, one = pxr.Gf.Matrix4d(1.0), np.float32(1.0)
-    splits = np.cumsum(file.counts)[:-1]
-    points, normals = (np.split(rows.astype(np.float32), splits) for rows in (file.rest_m(), file.normals()))
+    pxr, splits = usd_library(), np.cumsum(file.counts)[:-1]
+    points, normals = np.split(file.rest_m(), splits), np.split(file.normals(), splits)
     joints = np.split(joint_of_vertex(table), splits)
-    drawn = zip(file.faces(), points, normals, joints, file.texture_coordinates(), materials, strict=True)
-    for index, (faces, rest, normal, joint, uv, material) in enumerate(drawn):
+    drawn = zip(points, normals, file.faces(), file.texture_coordinates(), strict=True)
+    for index, (rest, normal, faces, uv) in enumerate(drawn):
         part = pxr.Tf.MakeValidIdentifier(file.gltf.meshes[index].name)
-        mesh = pxr.UsdGeom.Mesh.Define(stage, f"{root}/{part}")
-        mesh.CreatePointsAttr(pxr.Vt.Vec3fArray.FromNumpy(rest))
-        mesh.CreateFaceVertexCountsAttr(pxr.Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
-        mesh.CreateFaceVertexIndicesAttr(pxr.Vt.IntArray.FromNumpy(faces.astype(np.int32).reshape(-1)))
-        mesh.CreateNormalsAttr(pxr.Vt.Vec3fArray.FromNumpy(normal))
-        mesh.SetNormalsInterpolation(pxr.UsdGeom.Tokens.vertex)
-        mesh.CreateSubdivisionSchemeAttr(pxr.UsdGeom.Tokens.none)
-        mesh.CreateDoubleSidedAttr(True)
-        if uv is not None:
-            upward = np.ascontiguousarray(uv * [1, -1] + [0, 1], np.float32)  # USD: v from the bottom
-            primvars = pxr.UsdGeom.PrimvarsAPI(mesh)
-            kind = pxr.Sdf.ValueTypeNames.TexCoord2fArray
-            primvars.CreatePrimvar("st", kind, pxr.UsdGeom.Tokens.vertex).Set(
-                pxr.Vt.Vec2fArray.FromNumpy(upward)
-            )
-        binding = pxr.UsdSkel.BindingAPI.Apply(mesh.GetPrim())
-        binding.CreateSkeletonRel().SetTargets([pxr.Sdf.Path(f"{root}/skeleton")])
-        numbers = pxr.Vt.IntArray.FromNumpy(joint.astype(np.int32))
-        binding.CreateJointIndicesPrimvar(False, 1).Set(numbers)
-        weights = pxr.Vt.FloatArray.FromNumpy(np.full(len(joint), one))
-        binding.CreateJointWeightsPrimvar(False, 1).Set(weights)
-        binding.CreateGeomBindTransformAttr().Set(identity)
-        pxr.UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+        mesh = define_mesh(stage, f"{root}/{part}", Drawn(rest, normal, faces, uv), materials[index])
+        joint = joints[index][:, None]
+        bind_mesh(mesh, f"{root}/skeleton", joint, np.ones(joint.shape))
 
 
 def posed(stage: Any, frame: float) -> Floats:
