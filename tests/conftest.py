@@ -23,7 +23,7 @@ LONG_FILES = (
     "test_doctor", "test_mesh_formats_hostile", "test_container_scripts", "test_damaged_rows",
     "test_confinement", "test_event_streams", "test_mesh_import_process", "test_mesh_nesting", "test_client",
     "test_generated_client", "test_model_file", "test_untrusted_results", "test_dependencies", "test_release",
-    "test_pulled_pole", "test_motion_command", "test_calibration", "test_bench_serve",
+    "test_pulled_pole", "test_mujoco_figures", "test_motion_command", "test_calibration", "test_bench_serve",
 )  # fmt: skip
 """Files of `make test-long`, the longest first: no process of a parallel run ends with one of them alone."""
 LONG_BUT_ALWAYS_RUN = ("test_build_end_to_end", "test_accuracy", "test_jobs")

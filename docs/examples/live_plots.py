@@ -1,7 +1,8 @@
 """Sway of exported trees in the programs that move them, beside the table's own, as pictures of docs/how-to.
 
 Run from the repository: ``python docs/examples/live_plots.py docs/images``. It writes live-sway.svg (the GLB
-of `--to live` in Babylon.js) and mujoco-release.svg (`--to mjcf` in MuJoCo), and prints the errors.
+of `--to live` in Babylon.js), mujoco-release.svg and mujoco-gusts.svg (`--to mjcf` in MuJoCo), and prints
+the errors.
 """
 
 import json
@@ -18,7 +19,7 @@ from galewood.io.export import ExportOptions, write_export
 from galewood.io.export.gltf_file import GltfFile
 from galewood.io.export.rigid.targets import oscillators
 from galewood.io.export.skeletal.radii import wood_vertices
-from galewood.motion.wind import Wind, WindField
+from galewood.motion.wind import PRESETS, Wind, WindField
 from galewood.pipeline.results import read_compliance
 from galewood.player import WindDrivenTrees
 from galewood.solid.skinning import drawn_positions
@@ -28,7 +29,7 @@ from matplotlib.ticker import MultipleLocator
 from scipy.linalg import cho_solve
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from tests.precompute.fixtures.mujoco_trees import body_of, linearised, upright
+from tests.precompute.fixtures.mujoco_trees import body_of, in_gusts, linearised, upright
 
 REPOSITORY = Path(__file__).parents[2]
 TREE_PATH = REPOSITORY / "assets/species/shipped/poplar.table"
@@ -37,6 +38,7 @@ SECONDS = 20.0
 SETTLED_S = 10.0
 """Before the time that is shown: both begin at rest."""
 WIND = Wind(mean_speed_m_s=8.0, model="cosine")
+GUSTS = "autumn-gusts"
 RELEASED_M, RELEASED_S = 0.05, 12.0
 """Deflection of the top from which MuJoCo's tree is released, and how long it is followed."""
 OWN_COLOUR, TABLE_COLOUR = "#d1495b", "#2a6f4e"
@@ -47,12 +49,12 @@ def main() -> None:
     folder = Path(sys.argv[1])
     table, glb = decode(TREE_PATH.read_bytes()), TREE_PATH.with_suffix(".glb").read_bytes()
     rest_m = GltfFile(glb, table).rest_m()
-    wood = wood_vertices(table)
-    top = int(wood[np.argmax(rest_m[wood, 1])])
+    top = top_of(table, rest_m)
     height_m = float(table.metadata["height_m"])
     for name, drawn, curves in (
         ("live-sway", "Babylon.js", in_babylon(table, glb, rest_m, top)),
         ("mujoco-release", "MuJoCo", in_mujoco(table, glb, rest_m, top)),
+        ("mujoco-gusts", "MuJoCo", in_mujocos_gusts(table, glb, rest_m)),
     ):
         time_s, found, given = curves
         apart = np.linalg.norm(found - given, axis=1)
@@ -63,6 +65,12 @@ def main() -> None:
             f"{100 * rms / height_m:.2g} %, at displacements of up to {100 * reach / height_m:.2g} %"
         )
         plot(folder / f"{name}.svg", drawn, time_s, found, given)
+
+
+def top_of(table: Table, rest_m: Any) -> int:
+    """The highest vertex of the wood."""
+    wood = wood_vertices(table)
+    return int(wood[np.argmax(rest_m[wood, 1])])
 
 
 def in_babylon(table: Table, glb: bytes, rest_m: Any, top: int) -> tuple[Any, Any, Any]:
@@ -118,6 +126,16 @@ def in_mujoco(table: Table, glb: bytes, rest_m: Any, top: int) -> tuple[Any, Any
     swing = np.exp(-decay * time_s[:, None]) * (np.cos(phase) + decay / turned * np.sin(phase))
     given = upright((swing * force_n * own.shape[top, 0] / own.omega**2) @ own.shape[top].T)
     return time_s[::10], found[::10], given[::10]
+
+
+def in_mujocos_gusts(table: Table, glb: bytes, rest_m: Any) -> tuple[Any, Any, Any]:
+    """The same in the gusts of a preset, which act on every body, by MuJoCo and by the table."""
+    with tempfile.TemporaryDirectory() as text:
+        compliance = read_compliance(TREE_PATH)
+        told = write_export(table, glb, "mjcf", Path(text), "tree", compliance=compliance)
+        model = mujoco.MjModel.from_xml_path(str(Path(text) / "tree.xml"))
+    gusty = in_gusts(model, told, table, rest_m, PRESETS[GUSTS], SECONDS, SETTLED_S)
+    return gusty.dt_s * np.arange(len(gusty.by_table)), gusty.by_mujoco, gusty.by_table
 
 
 def plot(path: Path, drawn: str, time_s: Any, found: Any, given: Any) -> None:

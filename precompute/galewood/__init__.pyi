@@ -12,6 +12,7 @@ from .io.api import Motion as Motion
 from .io.api import MotionTable as MotionTable
 from .io.api import Placements as Placements
 from .io.api import Tree as Tree
+from .io.api import body_winds as body_winds
 from .io.api import build as build
 from .io.api import calibrate as calibrate
 from .io.api import critical_wind as critical_wind

@@ -44,6 +44,14 @@ def test_the_built_in_trees_are_counted_and_named(page: str) -> None:
     assert set(names.split(", ")) == {tree["species"] for tree in trees}
 
 
+def rows_of(page: str, head: str) -> list[list[str]]:
+    """The rows of the table of a page whose head begins so; each row as its cells."""
+    blocks = ROOT.joinpath(page).read_text(encoding="utf-8").split(f"\n| {head}")
+    assert len(blocks) == 2, f"{page} has no table, or several, with the head {head!r}"
+    lines = blocks[1].split("\n\n")[0].splitlines()[2:]
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+
+
 def accuracy_table() -> tuple[list[str], list[list[str]]]:
     """Head and rows of the measured errors in docs/physics.md."""
     page = ROOT.joinpath("docs/physics.md").read_text(encoding="utf-8")
@@ -96,3 +104,31 @@ def test_the_about_dialog_states_the_errors_of_the_readme(pattern: str) -> None:
     about = " ".join(re.sub(r'" \+\s*"', "", text_of("web/src/page/controls/about.ts")).split())
     said = re.search(pattern, about)
     assert said and said.groups() == found(pattern, "README.md")
+
+
+MUJOCO_PAGE, URDF_PAGE = "docs/how-to/export-mujoco.md", "docs/how-to/export-urdf.md"
+
+
+def numbers(cell: str) -> list[float]:
+    """The numbers in a cell."""
+    return [float(number) for number in re.findall(r"\d+(?:\.\d+)?", cell)]
+
+
+def test_what_is_missed_in_mujoco_follows_from_its_table() -> None:
+    """The rows themselves are held against measurements in test_mujoco_figures.py."""
+    rows = rows_of(MUJOCO_PAGE, "tree | bodies")
+    shares = [numbers(row[column])[2] / 50 for row in rows for column in (4, 5)]
+    assert "of all points a quarter are beyond 5 %" in text_of(MUJOCO_PAGE)
+    assert sum(shares) / len(shares) == pytest.approx(0.75, abs=0.03)
+    (percent,) = found(r"The mean sway is up to (\d+) % less than the table's", MUJOCO_PAGE)
+    means = [numbers(row[6])[:2] for row in rows]
+    assert max(1 - own / given for own, given in means) == pytest.approx(float(percent) / 100, abs=0.01)
+
+
+def test_the_pages_of_rigid_bodies_and_the_table_of_all_kinds_agree() -> None:
+    own, urdf = rows_of(MUJOCO_PAGE, "tree | bodies"), rows_of(URDF_PAGE, "tree | bodies")
+    assert [row[:2] for row in own] == [row[:2] for row in urdf]
+    sizes = {row[0]: row[1] for row in rows_of("docs/how-to/exports.md", "`--to` | size")}
+    for kind, rows in (("`mjcf`", own), ("`urdf`", urdf)):
+        (poplar,) = (row for row in rows if row[0] == "poplar")
+        assert sizes[kind] == poplar[-1]

@@ -4,7 +4,7 @@
 
 from galewood.io.api.envelopes import sway_envelope
 from galewood.io.api.evaluation import evaluate
-from galewood.io.api.exports import export_tree
+from galewood.io.api.exports import body_winds, export_tree
 from galewood.io.api.field_reports import field_report
 from galewood.io.api.forests import Forest, Placements, grid
 from galewood.io.api.measured_motion import calibrate, simulated_motion
@@ -21,6 +21,7 @@ __all__ = [
     "MotionTable",
     "Placements",
     "Tree",
+    "body_winds",
     "build",
     "calibrate",
     "critical_wind",

@@ -8,10 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy.typing as npt
+
 from galewood.io.api.expected import expect
 from galewood.io.api.keywords import with_keywords_of
 from galewood.io.api.tables import MotionTable
-from galewood.io.export import ExportKind, ExportOptions, file_name, write_export
+from galewood.io.export import ExportKind, ExportOptions, air_at_bodies, file_name, write_export
+from galewood.motion.wind import Wind
+from galewood.util import Floats
 
 
 class ExportCall(ExportOptions):
@@ -67,3 +71,26 @@ def export_tree(table: MotionTable, options: ExportCall) -> dict[str, Any]:
         options.on_progress,
         table.compliance,
     )
+
+
+def body_winds(table: MotionTable, wind: Wind, places_m: npt.ArrayLike, times_s: npt.ArrayLike) -> Floats:
+    """The air at the bodies of a tree exported as "mjcf" or "urdf", in the gusts of a wind.
+
+    It is slower than the wind, as the crown shelters itself, and differs from body to body by the gusts
+    within the crown. The force on a body is ½ ``air_kg_m3`` ``area_m2`` |r| r, with r this velocity minus
+    that of the body; area and density are in the description of the export.
+
+    Args:
+        table: The table that was exported.
+        wind: The wind.
+        places_m: (b, 3) places of the bodies at rest, m, z up, the foot of the tree at the origin.
+        times_s: (T,) times of the wind, s.
+
+    Returns:
+        (T, b, 3) velocities, m/s, z up.
+
+    Raises:
+        TypeError: ``table`` is something else.
+    """
+    expect("table", table, MotionTable)
+    return air_at_bodies(table.table, wind, places_m, times_s)

@@ -9,3 +9,4 @@ from .options import ExportKind as ExportKind
 from .options import ExportOptions as ExportOptions
 from .options import LoopOptions as LoopOptions
 from .options import file_name as file_name
+from .rigid.air import air_at_bodies as air_at_bodies

@@ -13,7 +13,7 @@ from galewood.motion.wind import Wind
 ExportKind = Literal["vat", "bones", "pivots", "usd", "glb", "live", "impostor", "mjcf", "urdf"]
 KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
 TextureFormat = Literal["exr", "png"]
-EXPORT_REVISION = 3
+EXPORT_REVISION = 4
 """Increased when the files of the same options change: services keep exports by it."""
 MOST_BONES = 256
 """Of one skin: what Unity, Unreal and Godot take without changing their settings."""

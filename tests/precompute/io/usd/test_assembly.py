@@ -191,7 +191,7 @@ def test_leaves_that_are_moved_turned_and_scaled_are_copies() -> None:
     print(f"seed {SEED}")
     rng = np.random.default_rng(SEED)
     shape, faces = rng.normal(size=(5, 3)), np.array([[0, 1, 2], [0, 2, 3], [2, 3, 4]])
-    turns = Rotation.random(30, rng=SEED).as_matrix()
+    turns = Rotation.random(30, rng=rng).as_matrix()
     scales, places = rng.uniform(0.5, 2, 30), rng.uniform(-5, 5, (30, 3))
     leaves = scales[:, None, None] * shape @ turns.transpose(0, 2, 1) + places[:, None]
     leaves[3] += rng.normal(size=(5, 3)) * 0.1  # another shape

@@ -19,7 +19,7 @@ def export_mjcf(
     table: Table, glb: bytes, data: bytes | None, folder: Path, name: str, most: int = MOST_BONES
 ) -> dict[str, Any]:
     """Write NAME.xml, its skins and textures, and a description; return it. Raises ExportError."""
-    ready = prepared(table, glb, data, most, "mjcf")
+    ready = prepared(table, glb, data, most, "mjcf", name)
     fitted = ready.fitted
     folder.mkdir(parents=True, exist_ok=True)
     skins = write_skins(folder, name, table, ready.file, fitted.tree, body_names(fitted.tree, name))

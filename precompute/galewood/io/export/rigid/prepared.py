@@ -7,7 +7,8 @@ from typing import Any
 
 from galewood.io.export.errors import ExportError
 from galewood.io.export.gltf_file import GltfFile
-from galewood.io.export.rigid.drag import SPEEDS_M_S, STEP_S, sheltered_speed
+from galewood.io.export.rigid.bodies import body_names, upright
+from galewood.io.export.rigid.drag import AIR_KG_M3, SPEEDS_M_S, STEP_S, sheltered_speed
 from galewood.io.export.rigid.fitted import FittedTree, fitted_tree
 from galewood.table import Compliance, Table, TableError, decode_compliance
 from galewood.util import Floats
@@ -26,8 +27,8 @@ class Prepared:
     """Of the bodies, as JSON, without the names of files."""
 
 
-def prepared(table: Table, glb: bytes, data: bytes | None, most: int, kind: str) -> Prepared:
-    """The rigid bodies of a table, at most ``most``, fitted to its compliance file ``data``.
+def prepared(table: Table, glb: bytes, data: bytes | None, most: int, kind: str, name: str) -> Prepared:
+    """The rigid bodies of a table, at most ``most``, fitted to its compliance file ``data``; called NAME_….
 
     Raises:
         ExportError: The mesh is another tree's, or the compliance file is or is missing: ``kind`` needs it.
@@ -44,9 +45,20 @@ def prepared(table: Table, glb: bytes, data: bytes | None, most: int, kind: str)
         "timestep_s": STEP_S,
         "frequencies_hz": [float(f) for f in table.metadata["frequencies_hz"]],
         "wind_m_s": {str(speed): sheltered_speed(table, speed) for speed in SPEEDS_M_S},
+        "air_kg_m3": AIR_KG_M3,
+        "links": _areas(fitted, name),
         "measured": fitted.measured,
     }
     return Prepared(file, rest_m, fitted, height_m, description)
+
+
+def _areas(fitted: FittedTree, name: str) -> dict[str, dict[str, Any]]:
+    """Area in the wind of each body, and its centre from the body's origin, z up, by its name."""
+    arm = upright(fitted.area_centre_m - fitted.tree.hinge_m)
+    return {
+        body: {"area_m2": float(fitted.area_m2[index]), "centre_m": arm[index].tolist()}
+        for index, body in enumerate(body_names(fitted.tree, name)[:-1])
+    }
 
 
 def _readable_compliance(table: Table, data: bytes | None, kind: str) -> Compliance:

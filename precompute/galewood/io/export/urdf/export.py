@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from galewood.io.export.options import MOST_BONES
-from galewood.io.export.rigid.bodies import HINGES, body_names, upright
+from galewood.io.export.rigid.bodies import HINGES, body_names
 from galewood.io.export.rigid.capsules import capsules
-from galewood.io.export.rigid.drag import AIR_KG_M3
 from galewood.io.export.rigid.fitted import FittedTree
 from galewood.io.export.rigid.prepared import prepared
 from galewood.io.export.urdf.document import SMALL_SHARE, document
@@ -25,7 +24,7 @@ def export_urdf(
     table: Table, glb: bytes, data: bytes | None, folder: Path, name: str, most: int = MOST_BONES
 ) -> dict[str, Any]:
     """Write NAME.urdf, the meshes of its links, and a description with springs; return it. ExportError."""
-    ready = prepared(table, glb, data, most, "urdf")
+    ready = prepared(table, glb, data, most, "urdf", name)
     fitted = ready.fitted
     folder.mkdir(parents=True, exist_ok=True)
     drawn = write_meshes(folder, name, table, ready.file, fitted.tree, body_names(fitted.tree, name))
@@ -36,9 +35,7 @@ def export_urdf(
         "version": 1,
         "model": f"{name}.urdf",
         **ready.description,
-        "air_kg_m3": AIR_KG_M3,
         "joints": _springs(fitted, name),
-        "links": _areas(fitted, name),
     }
     (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
     return description
@@ -65,12 +62,3 @@ def free_angles(fitted: FittedTree) -> Floats:
     less = SMALL_SHARE * np.arange(len(HINGES)) * torque
     free: Floats = fitted.reference_rad + less.ravel() / fitted.stiffness
     return free
-
-
-def _areas(fitted: FittedTree, name: str) -> dict[str, dict[str, Any]]:
-    """Area in the wind of each link of a body, and its centre from the link's origin, by its name."""
-    arm = upright(fitted.area_centre_m - fitted.tree.hinge_m)
-    return {
-        body: {"area_m2": float(fitted.area_m2[index]), "centre_m": arm[index].tolist()}
-        for index, body in enumerate(body_names(fitted.tree, name)[:-1])
-    }
