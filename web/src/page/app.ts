@@ -10,6 +10,7 @@ import { StatusReport } from "./controls/statusReport";
 import { fullScreenTool } from "./controls/tools";
 import { Undo } from "./controls/undo";
 import type { DataFiles } from "./files/dataFiles";
+import { ForestClient } from "./forest/forestClient";
 import { ForestFigures } from "./forest/forestFigures";
 import { FrameLoop } from "./forest/frameLoop";
 import { FrameStatistics } from "./forest/frameStatistics";
@@ -42,14 +43,39 @@ import type { OwnUploads } from "./uploads/ownUploads";
 /** What `window.galewood` shows of the page. */
 export type Page = ReturnType<typeof openPage>;
 
-export function openPage(store: Store, uploads: OwnUploads, files: DataFiles) {
+/** The trees of the server, and the worker that moves them. */
+export interface LoadingTrees {
+  readonly client: ForestClient;
+  readonly catalogue: Catalogue;
+  dispose(): void;
+}
+
+/** Starts loading the trees, before it is known how they are drawn. */
+export function loadTrees(store: Store): LoadingTrees {
   useKeys({ known: keptKey, ask: askForKey });
-  const world = new World(store);
+  const client = new ForestClient(store);
+  const catalogue = new Catalogue(store, client);
+  return {
+    client,
+    catalogue,
+    dispose() {
+      catalogue.dispose();
+      client.dispose();
+    },
+  };
+}
+
+export function openPage(
+  store: Store,
+  { client, catalogue }: LoadingTrees,
+  uploads: OwnUploads,
+  files: DataFiles,
+) {
+  const world = new World(store, client);
   const undo = new Undo(store);
   rememberSettings(store);
 
   // The forest. Subscribers to one value are told in the order in which they are made.
-  const catalogue = new Catalogue(store, world.client);
   const paper = new PaperMethod(store, catalogue, world.client);
   const inventory = new InventoryPlanting(store, world);
   new Planting(store, world, catalogue, paper);

@@ -2,7 +2,7 @@ import "uplot/dist/uPlot.min.css";
 import "./ui/instruments/instruments.css";
 import "./uploads/uploads.css";
 import "./risk/risk.css";
-import { openPage } from "./app";
+import { loadTrees, openPage } from "./app";
 import { connectAbout } from "./controls/about";
 import { showHint } from "./controls/hint";
 import { connectSheets } from "./controls/sheets";
@@ -10,7 +10,7 @@ import { DataFiles } from "./files/dataFiles";
 import { detectGraphics } from "./forest/graphics";
 import { showNoGraphics } from "./noGraphics";
 import { exposeProbe } from "./probe";
-import { defaultsFor, LIMITS, settingsFromQuery, treesBeyond } from "./settings/settings";
+import { defaultsFor, LIMITS, type Settings, settingsFromQuery, treesBeyond } from "./settings/settings";
 import { sharedFrom } from "./settings/sharedForest";
 import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
@@ -42,7 +42,8 @@ function checkTrees(): void {
   );
 }
 
-function start(software: boolean): void {
+/** The settings by the address, the storage of this browser and its graphics. */
+function openedSettings(software: boolean): { settings: Settings; defaults: Settings } {
   const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
   const defaults = defaultsFor(screen);
   // Embedded pages and shared views use their address only; otherwise the stored settings apply.
@@ -50,12 +51,30 @@ function start(software: boolean): void {
   const usual = own ? remembered(defaults, () => localStorage) : defaults;
   const settings = settingsFromQuery(location.search, usual);
   if (own && sharedFrom(location.search) === null) settings.planted = uploads.plantedWith(settings.planted);
+  return { settings, defaults };
+}
+
+/** The trees load while the graphics are looked at; which settings those suggest is known afterwards. */
+async function start(): Promise<void> {
+  const looking = detectGraphics();
+  const { settings, defaults } = openedSettings(false);
+  const store = new Store(settings, defaults, location.search);
+  const trees = loadTrees(store);
+  await painted();
+  const graphics = await looking;
+  if (!graphics.webgl2) {
+    trees.dispose();
+    showNoGraphics();
+    return;
+  }
+  const suited = openedSettings(graphics.software);
+  store.suit(suited.settings, suited.defaults);
   document.body.classList.toggle("bare", !settings.panel);
   document.body.classList.toggle("embedded", settings.embed);
   checkWind();
   checkTrees();
   connectSheets(settings.panel);
-  const page = openPage(new Store(settings, defaults, location.search), uploads, files);
+  const page = openPage(store, trees, uploads, files);
   exposeProbe(page);
   if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {
@@ -63,15 +82,12 @@ function start(software: boolean): void {
   });
 }
 
-/** Calls back after the first paint, or after a short timeout if the page is hidden. */
-function afterPaint(then: () => void): void {
-  let called = false;
-  const once = () => {
-    if (!called) then();
-    called = true;
-  };
-  requestAnimationFrame(() => setTimeout(once));
-  setTimeout(once, 300);
+/** Settled after the first paint, or after a short timeout if the page is hidden. */
+function painted(): Promise<void> {
+  return new Promise((done) => {
+    requestAnimationFrame(() => setTimeout(done));
+    setTimeout(done, 300);
+  });
 }
 
 connectAbout();
@@ -79,9 +95,4 @@ connectAbout();
 // Accept files from the start: otherwise the browser would navigate to a dropped file.
 acceptUploads(uploads, files);
 
-// Paint the text first: starting the forest takes a moment, and much longer without a GPU.
-afterPaint(() => {
-  const graphics = detectGraphics();
-  if (graphics.webgl2) start(graphics.software);
-  else showNoGraphics();
-});
+void start();

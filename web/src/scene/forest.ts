@@ -147,6 +147,8 @@ export class Forest {
   readonly group = new Group();
   moving: MovingGroup[] = [];
   private all: MovingGroup[] = [];
+  /** Made for a placement that is not shown yet. */
+  private prepared: SpeciesForest<TableMotion>[] = [];
   private frozen = false;
   private leafless = false;
   private turn = 0;
@@ -157,14 +159,32 @@ export class Forest {
     private readonly impostors: ImpostorLibrary | null = null,
   ) {}
 
+  /** Makes the species of a placement that is to be shown; returns those that are new. */
+  prepare(placed: readonly PlacedSpecies[]): Group[] {
+    this.forgetPrepared();
+    const { all } = this;
+    const lacking = placed.filter((group) => !all.some(({ forest }) => this.serves(forest, group)));
+    this.prepared = lacking.map((group) => this.createSpecies(group));
+    return this.prepared.map(({ group }) => group);
+  }
+
+  private forgetPrepared(): void {
+    const { all, prepared } = this;
+    for (const forest of prepared) if (!all.some((shown) => shown.forest === forest)) forest.dispose();
+    this.prepared = [];
+  }
+
   /** Shows a placement; species that stay keep their meshes and textures on the GPU. */
   show(placed: readonly PlacedSpecies[]): void {
     const before = this.all;
+    const made = [...before.map(({ forest }) => forest), ...this.prepared];
     this.all = placed.map((group) => {
-      const old = before.find(({ forest }) => this.serves(forest, group));
-      old?.forest.setInstances(group.instances);
-      return { asset: group.asset, forest: old?.forest ?? this.createSpecies(group) };
+      const old = made.find((forest) => this.serves(forest, group));
+      old?.setInstances(group.instances);
+      return { asset: group.asset, forest: old ?? this.createSpecies(group) };
     });
+    for (const { forest } of this.all) if (forest.group.parent === null) this.present(forest);
+    this.forgetPrepared();
     const kept = new Set(this.all.map(({ forest }) => forest));
     for (const { forest } of before) if (!kept.has(forest)) forest.dispose();
     this.freeModels(before);
@@ -183,11 +203,17 @@ export class Forest {
 
   private createSpecies({ model, motion, instances }: PlacedSpecies): SpeciesForest<TableMotion> {
     const forest = new SpeciesForest(model, motion, instances, this.options);
+    forest.leafless = this.leafless;
+    return forest;
+  }
+
+  /** Adds a species to the picture. */
+  private present(forest: SpeciesForest<TableMotion>): void {
+    const { model, motion } = forest;
     if (this.frozen) forest.freeze(true);
     forest.leafless = this.leafless;
     forest.cards = motion && (this.impostors?.cardsFor(model, this.group, motion) ?? null);
     this.group.add(forest.group);
-    return forest;
   }
 
   /** Sets the season of all trees, including later placements; call `select` afterwards. */
@@ -306,6 +332,7 @@ export class Forest {
   }
 
   clear(): void {
+    this.forgetPrepared();
     const before = this.all;
     for (const { forest } of before) forest.dispose();
     this.all = [];

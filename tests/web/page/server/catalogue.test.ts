@@ -260,3 +260,14 @@ test("the other form stands in for one that cannot be loaded", async () => {
   expect(catalogue.assets[0].hasTable).toBe(false);
   expect(catalogue.isLoaded).toBe(true);
 });
+
+test("who listens late hears the last change of each tree that still exists", () => {
+  const { catalogue } = started();
+  handlers.change({ tree: tree(null), job: null });
+  handlers.change({ tree: tree("full"), job: null });
+  handlers.change({ tree: { ...tree(null), id: "elm" }, job: null });
+  handlers.change({ tree: { ...tree(null), id: "elm" }, job: null, deleted: true });
+  const heard: (string | null | undefined)[] = [];
+  catalogue.onChange((change) => heard.push(change.tree.table_sha256));
+  expect(heard).toEqual(["full"]);
+});

@@ -192,3 +192,11 @@ describe("address and storage", () => {
     expect([page.kept, settingsFromQuery(page.address).trees]).toEqual([null, 60]);
   });
 });
+
+test("what suits the graphics changes quality, number of trees and what is usual, and nothing else", () => {
+  const store = storeWith({ season: "winter" });
+  const usual: Settings = { ...DEFAULTS, quality: "low", trees: 120 };
+  store.suit(usual, usual);
+  expect({ ...store.settings }).toEqual({ ...DEFAULTS, season: "winter", quality: "low", trees: 120 });
+  expect(store.defaults).toBe(usual);
+});

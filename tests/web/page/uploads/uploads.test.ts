@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals-core";
-import { describe, expect, test, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { OwnUploads } from "../../../../web/src/page/uploads/ownUploads";
 import { RemainingTime } from "../../../../web/src/page/progress/remainingTime";
 import { sendingWords } from "../../../../web/src/page/uploads/sendingDialog";
@@ -85,7 +85,8 @@ test("in a shared forest a tree is planted for all once it is loaded, and only t
   const assetChanges = signal(0);
   const catalogue = { isLoaded: false, assets: [], leafMotion: () => null, find: () => null, assetChanges };
   const client = { plan: (_: unknown, plan: { share: { replant: boolean } }) => sent.push(plan.share.replant) };
-  new Planting(store, { client } as never, catalogue as never, { arrivals: signal(0) } as never);
+  const world = { client, prepare: () => {} };
+  new Planting(store, world as never, catalogue as never, { arrivals: signal(0) } as never);
   plantAs(store.settings, "mine", "one");
   expect(sent).toEqual([]);
   catalogue.isLoaded = true;
@@ -96,31 +97,50 @@ test("in a shared forest a tree is planted for all once it is loaded, and only t
   expect(sent).toEqual([true, false, false]);
 });
 
-test("a large forest is planted with its first moving trees, and again when all are loaded", () => {
-  for (const [trees, times] of [[20_000, 4], [20_001, 3]] as const) {
-    const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, "");
-    store.settings.trees = trees;
-    const model = { height_m: 10, radius_m: 2 };
-    const asset = (id: string) => ({ id, species: id, builtin: true, form: "open", hasTable: true, model: null as object | null, motion: null as object | null });
-    const assets = [asset("poplar"), asset("maple")];
-    const assetChanges = signal(0);
-    const catalogue = { isLoaded: false, assets, leafMotion: () => null, find: () => null, assetChanges };
-    let plans = 0;
-    const client = { plan: () => plans++ };
-    new Planting(store, { client } as never, catalogue as never, { arrivals: signal(0) } as never);
-    const arrive = (act: () => void) => {
-      act();
-      assetChanges.value++;
-    };
-    arrive(() => Object.assign(assets[0], { model }));
-    arrive(() => Object.assign(assets[0], { motion: { sha256: "a" } }));
-    arrive(() => Object.assign(assets[1], { model }));
+/** Two species, whose models and tables arrive one after the other; returns how many plans there were before and after a wait. */
+function plantingOf(trees: number, waited: boolean): number[] {
+  const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, "");
+  store.settings.trees = trees;
+  const model = { height_m: 10, radius_m: 2 };
+  const asset = (id: string) => ({ id, species: id, builtin: true, form: "open", hasTable: true, model: null as object | null, motion: null as object | null });
+  const assets = [asset("poplar"), asset("maple")];
+  const assetChanges = signal(0);
+  const catalogue = { isLoaded: false, assets, leafMotion: () => null, find: () => null, assetChanges };
+  let plans = 0;
+  const world = { client: { plan: () => plans++ }, prepare: () => {} };
+  new Planting(store, world as never, catalogue as never, { arrivals: signal(0) } as never);
+  const arrive = (act: () => void) => {
+    act();
+    assetChanges.value++;
+    return plans;
+  };
+  return [
+    arrive(() => Object.assign(assets[0], { model })),
+    arrive(() => waited && vi.runAllTimers()),
+    arrive(() => Object.assign(assets[0], { motion: { sha256: "a" } })),
+    arrive(() => Object.assign(assets[1], { model })),
     arrive(() => {
       Object.assign(assets[1], { motion: { sha256: "b" } });
       catalogue.isLoaded = true;
-    });
-    expect(plans, `${trees} trees`).toBe(times);
-  }
+    }),
+  ];
+}
+
+describe("the first trees", () => {
+  beforeEach(() => vi.useFakeTimers());
+  afterEach(() => vi.useRealTimers());
+
+  test("are planted together if all arrive soon", () => {
+    expect(plantingOf(120, false)).toEqual([0, 0, 0, 0, 1]);
+  });
+
+  test("are planted one after the other if they take long", () => {
+    expect(plantingOf(20_000, true)).toEqual([0, 2, 3, 4, 5]);
+  });
+
+  test("of a large forest are planted when they move, and again when all are loaded", () => {
+    expect(plantingOf(20_001, true)).toEqual([0, 2, 3, 3, 4]);
+  });
 });
 
 describe("the uploads of this browser", () => {

@@ -119,8 +119,12 @@ function orderOf(values: Float32Array): Uint32Array {
   const n = values.length;
   // The bits of positive numbers are ordered like the numbers; numbers sort faster than objects with a comparison.
   const bits = new Uint32Array(values.buffer);
-  const keys = Float64Array.from(bits, (value, k) => value * n + k).sort();
-  return Uint32Array.from(keys, (key) => key % n);
+  const keys = new Float64Array(n);
+  for (let k = 0; k < n; k++) keys[k] = bits[k] * n + k;
+  keys.sort();
+  const order = new Uint32Array(n);
+  for (let k = 0; k < n; k++) order[k] = keys[k] % n;
+  return order;
 }
 
 /** Triangles sorted by the rank of their piece, and the number of indices of each level. */
@@ -128,12 +132,14 @@ export function rankedIndex(
   index: ArrayLike<number>,
   rankOf: (vertex: number) => number,
 ): { index: Uint32Array; counts: number[] } {
-  const rank = Float32Array.from({ length: index.length / 3 }, (_, t) => rankOf(index[3 * t]));
+  const rank = new Float32Array(index.length / 3);
+  for (let t = 0; t < rank.length; t++) rank[t] = rankOf(index[3 * t]);
   const triangles = orderOf(rank);
   const sorted = new Uint32Array(triangles.length * 3);
-  triangles.forEach((t, place) => {
-    for (let corner = 0; corner < 3; corner++) sorted[3 * place + corner] = index[3 * t + corner];
-  });
+  for (let place = 0; place < triangles.length; place++) {
+    for (let corner = 0; corner < 3; corner++)
+      sorted[3 * place + corner] = index[3 * triangles[place] + corner];
+  }
   const counts = LEVEL_SHARES.map((share, level) => {
     const most = level === 0 ? MOST_SHARE : share;
     const beyond = triangles.findIndex((t) => pieceSize(rank[t], most) <= 0);

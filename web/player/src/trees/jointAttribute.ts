@@ -15,9 +15,13 @@ export function jointAttribute(part: TreePart, firstVertex: number, motion: Draw
   part.hold.forEach((vertex, v) => {
     const joint = motion.vertexJoint[firstVertex + vertex];
     const share = Math.round(WHOLE_SHARE * motion.jointShare[joint]);
-    const [first, second] = [0, 1].map((k) => level.of[motion.jointNodes[2 * joint + k]]);
-    const held = firstVertex + vertex;
-    joints.set(share > 0 && first !== second ? [first, second, share, held] : [first, first, 0, held], 4 * v);
+    const first = level.of[motion.jointNodes[2 * joint]];
+    const second = level.of[motion.jointNodes[2 * joint + 1]];
+    const two = share > 0 && first !== second;
+    joints[4 * v] = first;
+    joints[4 * v + 1] = two ? second : first;
+    joints[4 * v + 2] = two ? share : 0;
+    joints[4 * v + 3] = firstVertex + vertex;
   });
   return new BufferAttribute(joints, 4);
 }
@@ -27,7 +31,7 @@ export function pivotAttribute(part: TreePart, firstVertex: number, motion: Draw
   const pivots = new Float32Array(3 * part.vertices);
   part.hold.forEach((vertex, v) => {
     const at = 3 * motion.vertexJoint[firstVertex + vertex];
-    pivots.set(motion.jointRest_m.subarray(at, at + 3), 3 * v);
+    for (let axis = 0; axis < 3; axis++) pivots[3 * v + axis] = motion.jointRest_m[at + axis];
   });
   return new BufferAttribute(pivots, 3);
 }

@@ -72,6 +72,14 @@ const localGroups = ({ groups }: ForestPlan): LocalGroup[] =>
     records: store.recordsOf(group.table),
   }));
 
+/** A wind whose gusts have been made, which takes a tenth of a second. */
+function startedField(wind: WindDocument): WindField {
+  const started = new WindField(wind);
+  const at = () => new Float64Array(1);
+  started.velocity(at(), at(), started.at(0), at(), at());
+  return started;
+}
+
 function makeSource(
   plan: ForestPlan,
   wind: WindDocument,
@@ -183,7 +191,8 @@ scope.onmessage = ({ data }) => {
       advance(0, null);
       break;
     case "wind":
-      field?.change(data.wind, source?.time_s ?? 0);
+      if (field) field.change(data.wind, source?.time_s ?? 0);
+      else field = startedField(data.wind);
       source?.sendWind?.(data.wind);
       break;
     case "pull":

@@ -75,6 +75,8 @@ export class ForestClient {
   constructor(private readonly store: Store) {
     const { settings, state } = store;
     this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+    // Its gusts are made while the tables are on their way.
+    this.send({ kind: "wind", wind: settings.wind });
     watch(
       () => [settings.wind],
       ([wind]) => {

@@ -5,6 +5,8 @@ import { type FrameStatistics, isFrameDue, MAX_FRAME_S } from "./frameStatistics
 import type { World } from "./world";
 
 const REPORT_EVERY_MS = 250;
+/** The land is drawn without trees only if these take longer: its first picture would delay them. */
+const LAND_AFTER_MS = 3000;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
 
@@ -59,8 +61,11 @@ export class FrameLoop {
     const passed_s = state.stopped ? 0 : Math.min(MAX_FRAME_S, Math.max(0, frame_ms / 1000));
     this.last_ms = now_ms;
     const played_s = playback.advance_s(passed_s, settings.lookup === "server");
-    this.move({ passed_s, played_s: played_s ?? 0, playing: played_s !== null });
-    this.draw(passed_s);
+    const early = !this.world.hasTrees && performance.now() < LAND_AFTER_MS;
+    if (!early) {
+      this.move({ passed_s, played_s: played_s ?? 0, playing: played_s !== null });
+      this.draw(passed_s);
+    }
     this.meter.count(frame_ms, performance.now() - begin_ms);
     if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
       this.reported_ms = now_ms;
@@ -85,7 +90,7 @@ export class FrameLoop {
   /** Skip drawing until the first trees have moved: before that only the clouds would. */
   private get waitsForTrees(): boolean {
     const { state, playback, from_s } = this.store;
-    if (this.frame === 0 || performance.now() > PATIENCE_MS) return false;
+    if (performance.now() > PATIENCE_MS) return false;
     const steps = !state.stopped && !playback.paused;
     return !this.world.hasTrees || (steps && this.world.client.time_s <= from_s);
   }

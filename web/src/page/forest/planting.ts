@@ -52,11 +52,16 @@ const OPEN_LAND_M = 130;
 /** Larger forests are planted when their first species has arrived, and again when all have: each time takes half a second. */
 const MOST_REPLANTED = 20_000;
 
+/** The first trees are planted together if all arrive within this time of the first one: the forest does not fill up in view. */
+const TOGETHER_MS = 800;
+
 export class Planting {
   /** Whether the trees are to be replaced for all once those that are loading have arrived. */
   private owed = false;
   /** Whether trees that move have been planted. */
   private planted = false;
+  /** Whether the first trees have not waited for the others yet, do so, or have done so. */
+  private patience: "whole" | "waiting" | "over" = "whole";
 
   constructor(
     private readonly store: Store,
@@ -79,6 +84,8 @@ export class Planting {
       ],
       () => this.place(),
     );
+    // Trees may have arrived before.
+    if (catalogue.assets.some(({ model }) => model !== null)) this.place();
   }
 
   /**
@@ -94,6 +101,7 @@ export class Planting {
     if (inventory === "loading") return;
     const waits = this.planted && settings.trees > MOST_REPLANTED && !this.catalogue.isLoaded;
     if (waits && !replant) return;
+    if (!this.planted && !this.catalogue.isLoaded && this.isPatient()) return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
     const stand = inventory && { stems: inventory.stems, named };
     const placed = plantForest(this.catalogue.assets, settings, stand);
@@ -117,7 +125,19 @@ export class Planting {
           assets: this.catalogue.assets,
         }),
     );
+    this.world.prepare(placed);
     this.owed = false;
+  }
+
+  private isPatient(): boolean {
+    if (this.patience === "whole") {
+      this.patience = "waiting";
+      setTimeout(() => {
+        this.patience = "over";
+        if (!this.planted) this.place();
+      }, TOGETHER_MS);
+    }
+    return this.patience === "waiting";
   }
 
   /** The group as the worker needs it; none if its trees have no table. */

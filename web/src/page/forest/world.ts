@@ -17,7 +17,7 @@ import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { element } from "../ui/dom";
 import { ContextLoss } from "./contextLoss";
-import { ForestClient } from "./forestClient";
+import type { ForestClient } from "./forestClient";
 import { speciesOptions } from "./speciesOptions";
 
 /** A place above the ground, m. */
@@ -31,7 +31,6 @@ export interface AboveGround {
 const HIDDEN_M = 3;
 
 export class World {
-  readonly client: ForestClient;
   readonly stage: Stage;
   readonly forest: Forest;
   /** The wind field as the worker has it. */
@@ -46,9 +45,11 @@ export class World {
   /** Turns of the trees that have not been selected since the camera moved last. */
   private turnsLeft = 0;
 
-  constructor(private readonly store: Store) {
+  constructor(
+    private readonly store: Store,
+    readonly client: ForestClient,
+  ) {
     const { settings, opened } = store;
-    this.client = new ForestClient(store);
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     const { stage } = this;
     this.field = new WindField(settings.wind);
@@ -62,6 +63,8 @@ export class World {
     }
     if (opened.clouds) stage.sky.drift.set(...opened.clouds);
     this.follow();
+    // The driver compiles while the trees load.
+    stage.renderer.compile(stage.scene, stage.camera);
   }
 
   /** Draws what the settings say from now on. */
@@ -112,6 +115,12 @@ export class World {
 
   get hasTrees(): boolean {
     return this.forest.group.children.length > 0;
+  }
+
+  /** Makes what a placement needs that is to be shown soon; the driver compiles it meanwhile. */
+  prepare(placed: readonly PlacedSpecies[]): void {
+    const { renderer, camera, scene } = this.stage;
+    for (const group of this.forest.prepare(placed)) renderer.compile(group, camera, scene);
   }
 
   /** Shows a placement; `planted` describes it to the background forest. */

@@ -35,6 +35,7 @@ export class PaperMethod {
         if (settings.method === "paper" && settings.lookup === "server") this.arrivals.value++;
       },
     );
+    this.update();
   }
 
   /** Fetches what is missing. */

@@ -84,6 +84,8 @@ export class Catalogue {
   private opened = false;
   private readonly entries = new Map<string, Entry>();
   private readonly listeners: ((change: TreeChange) => void)[] = [];
+  /** The last change of each tree, for those who listen later. */
+  private readonly heard = new Map<string, TreeChange>();
   private readonly stream: EventStream;
 
   constructor(
@@ -112,8 +114,9 @@ export class Catalogue {
     });
   }
 
-  /** Calls `listener` when a tree or its job has changed on the server. */
+  /** Calls `listener` with the last change of each tree, and when a tree or its job has changed on the server. */
   onChange(listener: (change: TreeChange) => void): void {
+    for (const change of this.heard.values()) listener(change);
     this.listeners.push(listener);
   }
 
@@ -236,6 +239,8 @@ export class Catalogue {
     // Uploads join once they are submitted; one without a table leaves when its computation is cancelled.
     if (change.deleted || tree.state === "failed" || tree.state === "uploaded") this.remove(tree.id);
     else this.keep(change);
+    if (change.deleted) this.heard.delete(tree.id);
+    else this.heard.set(tree.id, change);
     for (const notify of this.listeners) notify(change);
   }
 
@@ -352,5 +357,9 @@ export class Catalogue {
   /** Connects to the server at once if the connection is lost. */
   retry(): void {
     this.stream.retry();
+  }
+
+  dispose(): void {
+    this.stream.close();
   }
 }

@@ -44,13 +44,11 @@ export class Store {
   /** Camera, clock and clouds of the link that was opened. */
   readonly opened: { readonly [K in keyof Moment]: Moment[K] | null };
   private byOthers = false;
+  private usual: Settings;
 
   /** `query`: that of the address. Settings are stored as differences from `defaults`. */
-  constructor(
-    settings: Settings,
-    readonly defaults: Settings,
-    query: string,
-  ) {
+  constructor(settings: Settings, defaults: Settings, query: string) {
+    this.usual = defaults;
     this.settings = reactive(settings);
     this.opened = momentFrom(query);
     this.state = reactive<PageState>({
@@ -71,6 +69,17 @@ export class Store {
   /** Time at which the forest starts, s. */
   get from_s(): number {
     return this.opened.time_s ?? 0;
+  }
+
+  /** What the settings are where nothing else was chosen. */
+  get defaults(): Settings {
+    return this.usual;
+  }
+
+  /** Takes what suits the graphics, once these are known: only number of trees and quality depend on them. */
+  suit({ trees, quality }: Settings, defaults: Settings): void {
+    this.usual = defaults;
+    this.change({ trees, quality });
   }
 
   /** Changes several settings at once. */

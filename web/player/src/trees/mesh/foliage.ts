@@ -54,7 +54,8 @@ export function leafFreedom(pieces: Components, positions: Float32Array): Float3
     );
     longest[piece] = Math.max(longest[piece], reach);
   });
-  return Float32Array.from(pieces.ofVertex, (piece) =>
-    Math.min(1, FULL_LENGTH_M / Math.max(longest[piece], 1e-6)),
-  );
+  const free = new Float32Array(pieces.ofVertex.length);
+  for (let v = 0; v < free.length; v++)
+    free[v] = Math.min(1, FULL_LENGTH_M / Math.max(longest[pieces.ofVertex[v]], 1e-6));
+  return free;
 }

@@ -12,7 +12,14 @@ import {
 import { hashUnit } from "../../core/math/random";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
 import { COMMON_KEY } from "../variantShader";
-import { type Components, connectedComponents, holders, petioles, weldedComponents } from "./components";
+import {
+  type Components,
+  connectedComponents,
+  holders,
+  petioles,
+  separate,
+  weldedComponents,
+} from "./components";
 import { leafFreedom, openness, roundNormals } from "./foliage";
 import type { PartGeometry } from "./limbs";
 
@@ -91,9 +98,15 @@ function floats(
 ): Float32Array {
   const { array, normalized, data } = attribute as Partial<BufferAttribute & InterleavedBufferAttribute>;
   if (array instanceof Float32Array && !normalized && !data) return array.slice();
-  const out = new Float32Array(attribute.count * attribute.itemSize);
-  for (let i = 0; i < out.length; i++) {
-    out[i] = attribute.getComponent(Math.floor(i / attribute.itemSize), i % attribute.itemSize);
+  const { count, itemSize } = attribute;
+  return rowsOf(attribute, count, itemSize);
+}
+
+/** The first `columns` components of each row, as three.js reads them. */
+function rowsOf(from: Pick<BufferAttribute, "getComponent">, rows: number, columns: number): Float32Array {
+  const out = new Float32Array(rows * columns);
+  for (let row = 0, i = 0; row < rows; row++) {
+    for (let column = 0; column < columns; column++, i++) out[i] = from.getComponent(row, column);
   }
   return out;
 }
@@ -134,7 +147,7 @@ function partFrom(
   if (!geometry.getAttribute("normal")) geometry.computeVertexNormals();
   const positions = floats(geometry.getAttribute("position") as BufferAttribute);
   const vertices = positions.length / 3;
-  const index = geometry.index?.array ?? Uint32Array.from({ length: vertices }, (_, v) => v);
+  const index = geometry.index?.array ?? separate(vertices);
   const pieces = connectedComponents(index, vertices);
   const leaves = kind === "leaves";
   const normals = floats(geometry.getAttribute("normal") as BufferAttribute);
@@ -162,7 +175,7 @@ function partFrom(
     position: new BufferAttribute(positions, 3),
     anchor: new BufferAttribute(anchor, 4),
     piece: new BufferAttribute(piece, 4),
-    hold: leaves ? holders(pieces) : Uint32Array.from({ length: vertices }, (_, v) => v),
+    hold: leaves ? holders(pieces) : separate(vertices),
     index: new BufferAttribute(ranked.index, 1),
     counts: ranked.counts,
   };
@@ -174,9 +187,7 @@ function partFrom(
 function colourOf(geometry: BufferGeometry): BufferAttribute | null {
   const given = geometry.getAttribute("color") as BufferAttribute | undefined;
   if (!given) return null;
-  const rows = new Float32Array(3 * given.count);
-  for (let i = 0; i < rows.length; i++) rows[i] = given.getComponent(Math.floor(i / 3), i % 3);
-  return new BufferAttribute(rows, 3);
+  return new BufferAttribute(rowsOf(given, given.count, 3), 3);
 }
 
 const isTwigs = ({ name }: Object3D) => name.startsWith("twigs");
