@@ -1,8 +1,8 @@
 /** The wind that grass bows in is that of the trees, place by place. */
-import { PRESETS, WindField } from "galewood/wind";
+import { meanVelocity_m_s, PRESETS, WindField } from "galewood/wind";
 import { DataUtils } from "three";
 import { describe, expect, it } from "vitest";
-import { GroundWind, grassLean_rad } from "../../../web/src/scene/ground/groundWind";
+import { bladeLean_rad, GroundWind, grassLean_rad, sweepDown } from "../../../web/src/scene/ground/groundWind";
 import { seededRandom } from "../seeded";
 
 /** What a shader reads from the texture: linear between the four texels around a place. */
@@ -34,6 +34,7 @@ describe("wind at the ground", () => {
     const random = seededRandom(5);
     const field = new WindField(PRESETS["storm-front"]);
     const wind = new GroundWind();
+    const mean_m_s = meanVelocity_m_s(PRESETS["storm-front"]);
     const [vx, vz] = [new Float64Array(1), new Float64Array(1)];
     for (const [time_s, eye] of [
       [3, { x: 2, z: -7 }],
@@ -44,6 +45,7 @@ describe("wind at the ground", () => {
       for (let k = 0; k < 200; k++) {
         const place = [eye.x + 80 * (random() - 0.5), eye.z + 80 * (random() - 0.5)];
         field.velocity([place[0]], [place[1]], field.at(time_s), vx, vz);
+        sweepDown(mean_m_s, vx, vz);
         const [x, z] = sampled(wind, place[0], place[1]);
         const [leanX, leanZ] = leaning(vx[0], vz[0]);
         squares += (x - leanX) ** 2 + (z - leanZ) ** 2;
@@ -51,6 +53,7 @@ describe("wind at the ground", () => {
       expect(Math.sqrt(squares / 200)).toBeLessThan(0.02);
       for (const i of [0, 100, 399]) {
         field.velocity([wind.x[i]], [wind.z[i]], field.at(time_s), vx, vz);
+        sweepDown(mean_m_s, vx, vz);
         const [x, z] = sampled(wind, wind.x[i], wind.z[i]);
         const [leanX, leanZ] = leaning(vx[0], vz[0]);
         expect(Math.hypot(x - leanX, z - leanZ)).toBeLessThan(0.001);
@@ -65,5 +68,24 @@ describe("wind at the ground", () => {
     expect(lean[1]).toBeGreaterThan(0.15);
     expect(lean[3]).toBeGreaterThan(1);
     expect(lean[4]).toBeLessThan(Math.PI / 2);
+  });
+
+  it("gusts reach the ground stronger than they are above, about the same mean", () => {
+    const [vx, vz] = [Float64Array.of(14, 10, 6), Float64Array.of(3, 0, -3)];
+    sweepDown({ x: 10, z: 0 }, vx, vz);
+    expect(vx[0] - 10).toBeGreaterThan(4);
+    expect(vz[0]).toBeGreaterThan(3);
+    expect([vx[1], vz[1]]).toEqual([10, 0]);
+    expect(vx[0] + vx[2]).toBeCloseTo(20, 12);
+  });
+
+  it("a blade whips the more the stronger the wind, stays above the ground, and is still in still air", () => {
+    const spread = (strength: number) => {
+      const leans = Array.from({ length: 400 }, (_, k) => bladeLean_rad(strength, 0.3, k / 30));
+      expect(Math.max(...leans)).toBeLessThan(Math.PI / 2);
+      return Math.max(...leans) - Math.min(...leans);
+    };
+    expect(spread(0)).toBe(0);
+    expect(spread(0.9)).toBeGreaterThan(1.4 * spread(0.2));
   });
 });

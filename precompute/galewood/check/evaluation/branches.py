@@ -47,10 +47,14 @@ def branch_motion_m(table: Table, track_m: Floats) -> float | None:
     trunk, outer, rest_m = trunk_nodes(table), outer_nodes(table), table.node_rest_m.astype(np.float64)
     if not len(outer):
         return None
-    followed = _at_heights(rest_m[trunk], track_m[:, trunk], rest_m[outer])
-    own = track_m[:, outer] - followed
+    own = relative_to_trunk(rest_m, trunk, outer, track_m)
     own -= own.mean(axis=0)
     return float(np.median(np.sqrt(np.square(own).sum(axis=2).mean(axis=0))))
+
+
+def relative_to_trunk(rest_m: Floats, trunk: Ints, nodes: Ints, track_m: Floats) -> Floats:
+    """(T, m, 3) displacement, m, of m nodes less that of the trunk at their heights; ``track_m`` (T, n, 3)."""
+    return track_m[:, nodes] - _at_heights(rest_m[trunk], track_m[:, trunk], rest_m[nodes])
 
 
 def _at_heights(trunk_m: Floats, values: Array, points_m: Floats) -> Floats:

@@ -19,7 +19,7 @@ import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
-import { GROUND_WIND_PARS, type GroundWind } from "./groundWind";
+import { BLADE_GLSL, GROUND_WIND_PARS, type GroundWind } from "./groundWind";
 import { glade, groundHeight_m } from "./landscape";
 import { PlantField } from "./plantField";
 
@@ -71,7 +71,7 @@ uniform vec3 uEye;
 uniform float uReach;
 varying float vUp;
 varying vec4 vLook;
-${GROUND_WIND_PARS}`;
+${GROUND_WIND_PARS}${BLADE_GLSL}`;
 
 const POSITION_GLSL = /* glsl */ `
 float near = 1.0 - smoothstep(0.7, 1.0, distance(aPlant.xz, uEye.xz) / uReach);
@@ -80,9 +80,7 @@ vec2 spun = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * position.xz * aL
 vec2 along = leanAt(aPlant.xz);
 float strength = length(along);
 // A blade bends the more the higher up, keeps its length, and trembles in its own eddies.
-float lean = strength * (0.85 + 0.3 * aLook.x);
-lean += 0.16 * min(1.0, 2.5 * strength) * sin(uSeconds * (9.0 + 6.0 * aLook.x) + 40.0 * aLook.x) * (1.0 - 0.5 * lean);
-lean *= position.y;
+float lean = bladeLean(strength, aLook.x, uSeconds) * position.y;
 vec2 bow = along / max(strength, 1e-4) * sin(lean) * position.y;
 float size = aPlant.w * near;
 vec3 transformed = aPlant.xyz + size * vec3(spun.x + bow.x, position.y * cos(lean), spun.y + bow.y);

@@ -19,6 +19,38 @@ uniform float uSnow;
 uniform vec3 uSnowColour;
 `;
 
+/**
+ * Slope of the snow's surface, along x and z: drifts of some metres, drawn out along the prevailing wind, and ripples across it, some
+ * centimetres high and a quarter of a metre long, where the wind has packed the snow. Both are assumed by eye.
+ */
+const SNOW_GLSL = /* glsl */ `
+const vec2 BLOWN = vec2(0.866, 0.5); // direction of the presets of the wind
+float drifted(vec2 place) {
+  vec2 turned = vec2(dot(place, BLOWN), dot(place, vec2(-BLOWN.y, BLOWN.x)));
+  return texture2D(uNoise, turned * vec2(0.008, 0.014) + 0.61).g;
+}
+vec2 snowSlope(vec2 place, float drift, float away) {
+  const float STEP_M = 0.6;
+  vec2 slope = vec2(drifted(place + vec2(STEP_M, 0.0)), drifted(place + vec2(0.0, STEP_M))) - drift;
+  slope *= 1.2 / STEP_M;
+  if (away < 26.0) {
+    vec4 wavy = texture2D(uNoise, place * 0.045);
+    float wave = dot(place, BLOWN) * 21.0 + 24.0 * wavy.r + 5.0 * wavy.b;
+    float packed = smoothstep(0.4, 0.7, wavy.g) * (1.0 - smoothstep(8.0, 26.0, away));
+    slope += BLOWN * packed * 0.085 * (cos(wave) + 0.4 * cos(2.0 * wave + 0.8));
+  }
+  return slope;
+}
+`;
+
+const SNOW_NORMAL_GLSL = /* glsl */ `
+#include <normal_fragment_begin>
+if (uSnow > 0.0) {
+  vec2 slope = uSnow * (1.0 - bare) * snowSlope(vGround.xz, drift, length(vViewPosition));
+  normal = normalize(normal - (viewMatrix * vec4(slope.x, 0.0, slope.y, 0.0)).xyz);
+}
+`;
+
 const COLOUR_GLSL = /* glsl */ `
 vec2 g = vGround.xz;
 vec4 broad = texture2D(uNoise, g * 0.0043);
@@ -36,7 +68,9 @@ vec3 ground = mix(litter, grass, open);
 // Leaves blown onto the grass.
 ground = mix(ground, litter, open * smoothstep(0.62, 0.8, patchy.r) * 0.75 * uFallen);
 float bare = 0.4 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
-ground = mix(ground, uSnowColour * (0.9 + 0.12 * patchy.b), uSnow * (1.0 - bare));
+// Hollows between the drifts see less of the sky.
+float drift = drifted(g);
+ground = mix(ground, uSnowColour * (0.86 + 0.12 * patchy.b + 0.1 * drift), uSnow * (1.0 - bare));
 ${GROUND_SHADE}
 diffuseColor.rgb = ground;
 `;
@@ -68,7 +102,11 @@ export function groundMaterial(pictures: Pictures): MeshLambertMaterial {
       .replace("#include <common>", `#include <common>\n${varyings}`)
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvGround = position;\nvMeadow = aMeadow;");
     shader.fragmentShader = shader.fragmentShader
-      .replace("#include <common>", `#include <common>\n${AIR_PARS}${PARS_GLSL}${GROUND_SHADE_PARS}`)
+      .replace(
+        "#include <common>",
+        `#include <common>\n${AIR_PARS}${PARS_GLSL}${SNOW_GLSL}${GROUND_SHADE_PARS}`,
+      )
+      .replace("#include <normal_fragment_begin>", SNOW_NORMAL_GLSL)
       .replace("#include <map_fragment>", COLOUR_GLSL)
       .replace("#include <opaque_fragment>", AIR_FRAGMENT)
       .replace("#include <fog_fragment>", "");

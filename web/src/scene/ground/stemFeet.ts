@@ -11,6 +11,8 @@ import {
   ShaderMaterial,
   type Vector3,
 } from "three";
+import { seasonal } from "../season/seasonal";
+import { air } from "../sky/air";
 import { CROWN_FLOATS, type Crowns } from "../sky/exposure";
 import { groundHeight_m, slopeAt } from "./landscape";
 
@@ -26,14 +28,19 @@ const LEAST_WIDTH_M = 0.7;
 /** Distance over which the slope of the ground is measured, m. */
 const SLOPE_M = 0.6;
 
+/** How much wider the rim of snow around a stem is than its dark foot. */
+const RIM_WIDTH = 1.7;
+
 const FOOT_VERTEX = /* glsl */ `
+uniform float uSnow;
 attribute vec4 aFoot;
 attribute vec2 aSlope;
 varying vec2 vOut;
 varying float vAway;
 void main() {
-  vOut = position.xy;
-  vec2 off = aFoot.w * position.xy;
+  float wider = mix(1.0, ${RIM_WIDTH.toFixed(1)}, uSnow);
+  vOut = wider * position.xy;
+  vec2 off = aFoot.w * vOut;
   vec4 seen = viewMatrix * vec4(aFoot.xyz + vec3(off.x, dot(aSlope, off) + 0.02, off.y), 1.0);
   vAway = length(seen.xyz);
   gl_Position = projectionMatrix * seen;
@@ -41,12 +48,27 @@ void main() {
 `;
 
 const FOOT_FRAGMENT = /* glsl */ `
+uniform float uSnow;
+uniform vec2 uSunFlat;
+uniform vec3 uSunWorld;
 varying vec2 vOut;
 varying float vAway;
+/** Light that the snow keeps around a stem: it lies hollow at the bark and in a rim around it, whose side away from the sun is blue. */
+vec3 rimLight(vec2 away) {
+  float far = length(away);
+  // Slope of the rim outwards: up from the stem, then down to level ground.
+  float rise = 0.5 * (smoothstep(0.12, 0.35, far) - smoothstep(0.35, 0.75, far))
+    - 0.34 * (smoothstep(0.6, 0.95, far) - smoothstep(1.2, ${RIM_WIDTH.toFixed(1)}, far));
+  float low = clamp(uSunWorld.y, 0.15, 1.0);
+  float lost = rise * dot(away / max(far, 0.01), uSunFlat) * sqrt(1.0 - low * low) / low;
+  return 1.0 - clamp(lost, 0.0, 0.75) * vec3(0.62, 0.5, 0.3);
+}
 void main() {
   float dark = pow(max(0.0, 1.0 - length(vOut)), 1.6);
   float near = 1.0 - smoothstep(${(0.7 * REACH_M).toFixed(1)}, ${REACH_M.toFixed(1)}, vAway);
-  gl_FragColor = vec4(vec3(1.0) - 0.72 * near * dark * vec3(0.9, 0.96, 1.0), 1.0);
+  // Snow scatters light into the foot.
+  vec3 kept = vec3(1.0) - mix(0.72, 0.4, uSnow) * near * dark * vec3(0.9, 0.96, 1.0);
+  gl_FragColor = vec4(uSnow > 0.0 ? kept * mix(vec3(1.0), rimLight(vOut), uSnow * near) : kept, 1.0);
 }
 `;
 
@@ -68,7 +90,9 @@ export class StemFeet {
     geometry.setAttribute("aSlope", new InterleavedBufferAttribute(this.buffer, 2, 4));
     geometry.instanceCount = 0;
     this.buffer.setUsage(DynamicDrawUsage);
+    const { uSunFlat, uSunWorld } = air;
     const material = new ShaderMaterial({
+      uniforms: { uSnow: seasonal.uSnow, uSunFlat, uSunWorld },
       vertexShader: FOOT_VERTEX,
       fragmentShader: FOOT_FRAGMENT,
       blending: MultiplyBlending,

@@ -44,8 +44,11 @@ vec2 spun = spin * position.xz;
   vec3 placed = vec3(spun.x, position.y + dot(aLook.xy, spun), spun.y);
 #else
   float beat = uSeconds * 5.0 + aLook.w * 30.0;
-  float tremble = 1.0 + 0.12 * sin(beat) + 0.08 * sin(2.7 * beat + 9.0 * position.x);
-  vec2 bow = leanAt(aPlant.xz) * BEND * tremble * position.y * position.y;
+  vec2 along = leanAt(aPlant.xz);
+  // Stronger wind shakes the twigs more.
+  float shaken = 1.0 + 1.5 * length(along);
+  float tremble = 1.0 + shaken * (0.12 * sin(beat) + 0.08 * sin(2.7 * beat + 9.0 * position.x));
+  vec2 bow = along * BEND * tremble * position.y * position.y;
   vec3 placed = vec3(spun.x + bow.x, position.y - dot(bow, bow), spun.y + bow.y);
 #endif
 vec3 transformed = aPlant.xyz + aPlant.w * near * placed;
