@@ -53,7 +53,7 @@ def branch_motion_m(table: Table, track_m: Floats) -> float | None:
 
 
 def relative_to_trunk(rest_m: Floats, trunk: Ints, nodes: Ints, track_m: Floats) -> Floats:
-    """(T, m, 3) displacement, m, of m nodes less that of the trunk at their heights; ``track_m`` (T, n, 3)."""
+    """(T, m, 3) displacement, m, of m nodes less that of the trunk at their height; ``track_m`` (T, n, 3)."""
     return track_m[:, nodes] - _at_heights(rest_m[trunk], track_m[:, trunk], rest_m[nodes])
 
 

@@ -89,6 +89,25 @@ diffuseColor.rgb *= 0.82 + 0.36 * vPiece.x;
 diffuseColor.rgb *= mix(vec3(1.09, 1.01, 0.8), vec3(0.92, 1.02, 1.05), fract(vPiece.x * 7.31));
 `;
 
+/**
+ * In strong wind leaves turn over and show their undersides, which scatter more light and have less colour than the glossy side: crowns
+ * flash pale where a gust passes. Wind, m/s, at which the first leaves turn over, and at which the most do; their largest share, and the
+ * lightness of the underside over that of the upper side (assumed). Distant crowns, whose pictures do not know the wind, stay as they
+ * are, so that it fades between two distances, m.
+ */
+const OVERTURNED_M_S = [7, 17] as const;
+const MOST_OVERTURNED = 0.5;
+const UNDERSIDE_LIGHTNESS = 1.55;
+const OVERTURNED_WITHIN_M = [22, 42] as const;
+
+const UNDERSIDES = /* glsl */ `
+float overturned = ${MOST_OVERTURNED} * smoothstep(${OVERTURNED_M_S[0].toFixed(1)}, ${OVERTURNED_M_S[1].toFixed(1)}, vPiece.w);
+overturned *= 1.0 - smoothstep(${OVERTURNED_WITHIN_M[0].toFixed(1)}, ${OVERTURNED_WITHIN_M[1].toFixed(1)}, length(vViewPosition));
+float under = smoothstep(0.0, 0.25, overturned * 1.25 - fract(vPiece.x * 5.3));
+vec3 underside = ${UNDERSIDE_LIGHTNESS} * mix(diffuseColor.rgb, vec3(dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722))), 0.4);
+diffuseColor.rgb = mix(diffuseColor.rgb, underside, under);
+`;
+
 const WOOD_MAP = /* glsl */ `
 #include <map_fragment>
 // Darken pale bark, which would be white in sunlight.
@@ -211,7 +230,7 @@ export function patchColour(
       "#include <common>",
       `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${sprays}${atmosphere.declarations}`,
     )
-    .replace("#include <map_fragment>", leaves ? LEAF_MAP : WOOD_MAP)
+    .replace("#include <map_fragment>", leaves ? LEAF_MAP + (moves ? UNDERSIDES : "") : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
     .replace("#include <normal_fragment_maps>", leaves ? SNOW_GLSL : WOOD_NORMAL + SNOW_GLSL)
     .replace("#include <opaque_fragment>", atmosphere.output)

@@ -1,0 +1,30 @@
+/** The code that the page adds to the shaders of three.js arrives there: a chunk that has another name would leave it out. */
+import { ShaderLib, type WebGLProgramParametersWithUniforms } from "three";
+import { expect, test } from "vitest";
+import { groundMaterial } from "../../../web/src/scene/ground/groundMaterial";
+import { aerialPerspective } from "../../../web/src/scene/sky/air";
+import type { Pictures } from "../../../web/src/scene/textures/pictures";
+import { patchColour } from "../../../web/src/scene/treeSurface/treeLight";
+
+const shaderOf = ({ vertexShader, fragmentShader }: { vertexShader: string; fragmentShader: string }) =>
+  ({ vertexShader, fragmentShader, uniforms: {} }) as unknown as WebGLProgramParametersWithUniforms;
+/** How often a name stands in a text. */
+const times = (text: string, name: string) => text.split(name).length - 1;
+
+test("the snow on the ground has a surface, declared once and used after the colour of the ground", () => {
+  const shader = shaderOf(ShaderLib.lambert);
+  groundMaterial({} as Pictures).onBeforeCompile(shader, null as never);
+  const { fragmentShader: code } = shader;
+  expect(times(code, "vec2 snowSlope(")).toBe(1);
+  expect(code.indexOf("* snowSlope(")).toBeGreaterThan(code.indexOf("float drift = drifted(g);"));
+  expect(code.indexOf("#include <normal_fragment_begin>")).toBeLessThan(code.indexOf("* snowSlope("));
+});
+
+test("leaves that move show their undersides in strong wind; still ones and wood have none", () => {
+  const shows = (part: "leaves" | "wood", moves: boolean) => {
+    const shader = shaderOf(ShaderLib.standard);
+    patchColour(shader, part, moves, aerialPerspective);
+    return times(shader.fragmentShader, "vec3 underside =");
+  };
+  expect([shows("leaves", true), shows("leaves", false), shows("wood", true)]).toEqual([1, 0, 0]);
+});
