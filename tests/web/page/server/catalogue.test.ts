@@ -265,8 +265,8 @@ test("who listens late hears the last change of each tree that still exists", ()
   const { catalogue } = started();
   handlers.change({ tree: tree(null), job: null });
   handlers.change({ tree: tree("full"), job: null });
-  handlers.change({ tree: { ...tree(null), id: "elm" }, job: null });
-  handlers.change({ tree: { ...tree(null), id: "elm" }, job: null, deleted: true });
+  handlers.change({ tree: { ...tree(null), id: "yew" }, job: null });
+  handlers.change({ tree: { ...tree(null), id: "yew" }, job: null, deleted: true });
   const heard: (string | null | undefined)[] = [];
   catalogue.onChange((change) => heard.push(change.tree.table_sha256));
   expect(heard).toEqual(["full"]);
