@@ -8,8 +8,8 @@ export interface Graphics {
 
 const SOFTWARE_PATTERN = /swiftshader|llvmpipe|softpipe|software|microsoft basic render/i;
 
-/** What a context of its own tells; it is lost afterwards. null: there is none. */
-export function graphicsOf(gl: WebGL2RenderingContext | null): Graphics {
+function look(): Graphics {
+  const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) return { webgl2: false, software: false };
   const info = gl.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
@@ -17,18 +17,18 @@ export function graphicsOf(gl: WebGL2RenderingContext | null): Graphics {
   return { webgl2: true, software: SOFTWARE_PATTERN.test(name) };
 }
 
-/** In this thread, as browsers need that do not draw in workers. */
-const detectHere = () => graphicsOf(document.createElement("canvas").getContext("webgl2"));
-
-/**
- * Detects the graphics, in a worker where that can: the page's own context, made afterwards, then takes milliseconds, because
- * the driver has been started.
- */
-export function detectGraphics(): Promise<Graphics> {
-  if (typeof OffscreenCanvas === "undefined") return Promise.resolve(detectHere());
-  const worker = new Worker(new URL("./graphics.worker.ts", import.meta.url), { type: "module" });
-  return new Promise<Graphics>((found) => {
-    worker.onmessage = ({ data }: MessageEvent<Graphics>) => found(data.webgl2 ? data : detectHere());
-    worker.onerror = () => found(detectHere());
+/** Settled when the driver runs, or cannot be started in a worker. */
+function startDriver(): Promise<unknown> {
+  if (typeof OffscreenCanvas === "undefined") return Promise.resolve();
+  const worker = new Worker(new URL("./graphicsStart.worker.ts", import.meta.url), { type: "module" });
+  return new Promise((done) => {
+    worker.onmessage = done;
+    worker.onerror = done;
   }).finally(() => worker.terminate());
+}
+
+/** Detects the graphics, without holding up the page: contexts take milliseconds once the driver has been started. */
+export async function detectGraphics(): Promise<Graphics> {
+  await startDriver();
+  return look();
 }
