@@ -123,6 +123,9 @@ def test_what_is_missed_in_mujoco_follows_from_its_table() -> None:
     (percent,) = found(r"The mean sway is up to (\d+) % less than the table's", MUJOCO_PAGE)
     means = [numbers(row[6])[:2] for row in rows]
     assert max(1 - own / given for own, given in means) == pytest.approx(float(percent) / 100, abs=0.01)
+    (percent,) = found(r"RMS sway along the wind is up to (\d+) % less than the table's", MUJOCO_PAGE)
+    sways = [numbers(row[2]) for row in rows_of(MUJOCO_PAGE, "tree | wind")]
+    assert max(1 - own / given for own, given in sways) == pytest.approx(float(percent) / 100, abs=0.01)
 
 
 def test_the_pages_of_rigid_bodies_and_the_table_of_all_kinds_agree() -> None:
