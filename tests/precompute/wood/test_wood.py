@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from galewood.wood.species import SPECIES, is_evergreen, wood_of_species
 
-
 MEASURED_EXPONENTS = {"oak": 1.64, "spruce": 1.49, "pine": 1.25, "larch": 1.25}
 
 
