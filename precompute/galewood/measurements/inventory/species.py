@@ -24,9 +24,9 @@ BUILTIN_SPECIES = {
     "pinus": "pine",
     "larix": "larch",
 }
-SYCAMORE = "sycamore"
+SYCAMORE_TREE = "sycamore"
 """The built-in tree of one species of maple."""
-BUILTIN_NAMES = (*BUILTIN_SPECIES.values(), SYCAMORE)
+BUILTIN_NAMES = (*BUILTIN_SPECIES.values(), SYCAMORE_TREE)
 _CONICAL = (
     "abies calocedrus cedrus chamaecyparis cupressus juniperus pseudotsuga sequoia sequoiadendron taxus "
     "thuja tsuga"
@@ -53,7 +53,7 @@ WOODS: dict[str, str] = {
     **BUILTIN_SPECIES,
 }
 """Species of wood (galewood.wood) by genus; all others have an average one."""
-SYCAMORES = ("pseudoplatanus", "bergahorn", "sycamore maple")
+SYCAMORE_NAMES = ("pseudoplatanus", "bergahorn", "sycamore maple")
 _COMMON = (
     "populus:poplar,aspen,cottonwood,pappel,espe,zitterpappel acer:maple,boxelder,ahorn "
     "prunus:apricot,cherry,plum,almond,peach,blackthorn,aprikose,marille,kirsche,pflaume,zwetschge,"
@@ -97,13 +97,13 @@ class Match:
     def same(self) -> bool:
         """Whether it is a tree of the same genus."""
         own = BUILTIN_SPECIES.get(self.genus)
-        return self.builtin == own or (self.builtin == SYCAMORE and own == "maple")
+        return self.builtin == own or (self.builtin == SYCAMORE_TREE and own == "maple")
 
 
 def match_species(name: str, height_m: float) -> Match:
     """The built-in species for a name; an unknown one is decided by the height."""
     if _is_sycamore(name):
-        return Match(SYCAMORE, "acer")
+        return Match(SYCAMORE_TREE, "acer")
     genus = genus_of(name)
     if genus:
         return Match(STANDS_FOR[genus], genus)
@@ -113,12 +113,12 @@ def match_species(name: str, height_m: float) -> Match:
 def wood_species_of(name: str) -> str:
     """The species of wood (galewood.wood) for a name; "default" for one that has none of its own."""
     if _is_sycamore(name):
-        return SYCAMORE
+        return SYCAMORE_TREE
     return WOODS.get(genus_of(name), "default")
 
 
 def _is_sycamore(name: str) -> bool:
-    return any(known in plain(name) for known in SYCAMORES)
+    return any(known in plain(name) for known in SYCAMORE_NAMES)
 
 
 @lru_cache(maxsize=4096)
