@@ -10,7 +10,7 @@ export const oak: Species = {
   form: "open",
   height_m: 16,
   habit: {
-    seed: 904,
+    seed: 918,
     options: {
       type: "deciduous",
       trellis: { enabled: false },
