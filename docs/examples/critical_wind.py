@@ -9,6 +9,7 @@ from pathlib import Path
 
 import galewood
 import numpy as np
+from galewood.check.paper import PAPER_SPECIES
 from galewood.packaged import species_folder
 from galewood.pipeline.stages import builtin_meshes
 from galewood.solid.strain import CriticalWind, Rupture
@@ -73,6 +74,8 @@ figure = Figure(figsize=(8.8, 3.6), layout="constrained")
 panels = dict(zip(FOLIAGE, figure.subplots(1, 2, sharey=True), strict=True))
 lines = [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
 for mesh in builtin_meshes(species_folder()):
+    if mesh.options["species"] not in PAPER_SPECIES:
+        continue
     tree = galewood.read(mesh.path, species=str(mesh.options["species"]), accept=True)
     for foliage in FOLIAGE:
         found = galewood.critical_wind(tree, foliage=foliage, options=OPTIONS)

@@ -11,6 +11,7 @@ from typing import Any
 
 from galewood.check.evaluation.gusts import evaluate_in_gusts, gust_cases
 from galewood.check.evaluation.model_file import model_file
+from galewood.check.paper import PAPER_SPECIES
 from galewood.options import EvaluationOptions
 from galewood.packaged import species_folder
 from galewood.pipeline.results import SHIPPED_FOLDER, read_shipped
@@ -60,6 +61,8 @@ page, cache, reports = (Path(argument) for argument in sys.argv[1:4])
 reports.mkdir(parents=True, exist_ok=True)
 lines = [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
 for tree in builtin_meshes(species_folder()):
+    if tree.options["species"] not in PAPER_SPECIES:
+        continue
     for foliage in ("leaf", "bare"):
         report = reports / f"{tree.name}.{foliage}.json"
         if not report.exists():

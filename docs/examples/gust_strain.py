@@ -9,6 +9,7 @@ from pathlib import Path
 
 import galewood
 import numpy as np
+from galewood.check.paper import PAPER_SPECIES
 from galewood.packaged import species_folder
 from galewood.pipeline.stages import builtin_meshes
 from galewood.table import Foliage
@@ -54,6 +55,8 @@ def ratio_text(ratio: float | None) -> str:
 page = Path(sys.argv[1])
 lines = [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
 for mesh in builtin_meshes(species_folder()):
+    if mesh.options["species"] not in PAPER_SPECIES:
+        continue
     read = galewood.read(mesh.path, species=str(mesh.options["species"]), accept=True)
     for season in FOLIAGE:
         lines.append(row(mesh.name, read, season))

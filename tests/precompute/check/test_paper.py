@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from galewood.check.paper import speed
 from galewood.check.paper.gestures import first_maximum
-from galewood.check.paper.plan import Notes, code_hash, quick_plan
+from galewood.check.paper.plan import Notes, code_hash, full_plan, quick_plan
 from galewood.check.paper.run import run_paper
 from galewood.check.paper.text import table
+from galewood.packaged import species_folder
 from galewood.pipeline.stages import BuiltinMesh
 
 from tests.precompute.fixtures.shared_tets import cache_with_tets, small_tree_glb
@@ -23,6 +24,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (path / "maple.glb").write_bytes(small_tree_glb())
     cache_with_tets(path / "cache", tmp_path_factory)
     return path
+
+
+def test_the_experiments_are_those_of_the_species_in_the_paper(tmp_path: Path) -> None:
+    species = ("poplar", "maple", "apricot")
+    trees = {mesh.name for mesh in full_plan(species_folder(), tmp_path).meshes}
+    assert trees == {*species, *(f"{one}-forest" for one in species)}
 
 
 def test_the_page_is_written_the_search_is_exact_and_only_timings_are_repeated(
