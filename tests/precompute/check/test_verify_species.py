@@ -9,12 +9,14 @@ from galewood.check.verify.run import MARKERS, insert_table, markdown
 from galewood.check.verify.species_checks import (
     against_measured_trees,
     against_reference,
+    breast_radius_m,
     of_specimen,
     on_meshes,
     ringing,
     wood_mass,
 )
 from galewood.check.verify.specimens import TARGETS
+from galewood.wood import wood_of_species
 
 from tests.precompute.fixtures.apricot import apricot
 
@@ -53,6 +55,17 @@ def test_a_first_frequency_beyond_a_standard_deviation_of_measured_trees_fails(f
     report = {**one.fast.report, "frequencies_hz": [factor * check.exact]}
     other.__dict__["fast"] = replace(one.fast, report=report)
     assert not against_measured_trees(other).passed
+
+
+@pytest.mark.parametrize(("factor", "passes"), [(0.76, True), (1.24, True), (0.74, False), (1.26, False)])
+def test_a_conifer_is_compared_with_measured_conifers(factor: float, passes: bool) -> None:
+    one = apricot()
+    girth_cm = 200 * breast_radius_m(one)
+    measured = 0.0639 + 3.247 * girth_cm / one.tree.height_m**2
+    spruce = replace(one, wood=wood_of_species("spruce"))
+    report = {**one.fast.report, "frequencies_hz": [factor * measured]}
+    spruce.__dict__["fast"] = replace(one.fast, report=report)
+    assert against_measured_trees(spruce).passed is passes
 
 
 def test_the_table_replaces_the_text_between_its_markers():
