@@ -247,6 +247,14 @@ def test_a_tree_also_gets_a_table_without_its_leaves(mesh: bytes, built: Built) 
     assert alone.report["model"]["mass_kg"] == pytest.approx(mass_kg)
 
 
+def test_an_evergreen_is_never_bare(mesh: bytes, built: Built) -> None:
+    options = UNCOMPARED.model_copy(update={"bare_table": True, "paper": False, "species": "spruce"})
+    spruce = build_table(mesh, "tree.glb", options, in_this_process, cache_dir=built.cache)
+    assert spruce.bare_table is None
+    assert decode(spruce.table).foliage == "leaf"
+    assert decode(spruce.table).streamlined_exponent == 1.49
+
+
 def test_the_table_of_a_mesh_without_leaves_is_bare(built: Built) -> None:
     options = UNCOMPARED.model_copy(update={"bare_table": True, "paper": False})
     wooden = build_table(glb_bytes(y_tree()), "tree.glb", options, in_this_process, cache_dir=built.cache)

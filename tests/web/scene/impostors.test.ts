@@ -10,6 +10,9 @@ import {
   MOST_ATLASES,
   viewport,
 } from "../../../web/src/scene/impostors/baking/atlasLayout";
+import { Atlas } from "../../../web/src/scene/impostors/baking/atlas";
+import { cardMaterials, shared } from "../../../web/src/scene/impostors/cardMaterial";
+import type { TreeModel } from "../../../web/player/src/trees/mesh/treeMesh";
 import { farPlaces, plantFar, REACH_M, shareDrawn, THINNING_LEVELS } from "../../../web/src/scene/background/farPlaces";
 import {
   type Direction,
@@ -113,6 +116,22 @@ describe("atlas", () => {
       taken.add(`${left / side} ${bottom / side}`);
     }
     expect(taken.size).toBe(VIEWS_PER_SIDE * VIEWS_PER_SIDE);
+  });
+
+  test("evergreens are drawn with their leaves in every season", () => {
+    const model = (evergreen: boolean) => ({ parts: [], evergreen }) as unknown as TreeModel;
+    for (const [evergreen, bare] of [[true, false], [false, true]] as const) {
+      const atlas = new Atlas(model(evergreen));
+      atlas.restart(true);
+      expect(atlas.leafless).toBe(bare);
+      const materials = cardMaterials(atlas, { uNodes: { value: null }, uNodeShift: { value: 0 }, uShare: { value: 0 } }, null);
+      const shader = { uniforms: {} as Record<string, { value: unknown }>, vertexShader: "", fragmentShader: "" };
+      materials.colour.onBeforeCompile(shader as never, null as never);
+      shared.uBare.value = 1;
+      expect(shader.uniforms.uBare.value).toBe(bare ? 1 : 0);
+      shared.uBare.value = 0;
+      atlas.dispose();
+    }
   });
 
   test("all impostors together take less than 52 MB of graphics memory, also while they are baked", () => {

@@ -6,8 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.solid.model.foliage import LEAF_MASS_KG_M2, MOST_LEAF_MASS, bind_foliage
+from galewood.solid.model.foliage import (
+    EVERGREEN_LEAF_MASS_KG_M2,
+    LEAF_MASS_KG_M2,
+    MOST_LEAF_MASS,
+    bind_foliage,
+)
 from galewood.solid.model.silhouette import silhouette_area
+from galewood.wood import wood_of_species
 
 from tests.precompute.fixtures import tree_meshes as make
 from tests.precompute.fixtures.tet_meshes import leaf_cards, y_mesh, y_tree_mesh
@@ -51,6 +57,15 @@ def test_frontal_area_and_leaf_mass_are_conserved(mesh):
     assert (lumped.mass_kg >= 0).all()
     assert (lumped.drag_area_m2 >= 0).all()
     assert mesh.vertices_m[lumped.fixed][:, 1].max() < 0.11
+
+
+def test_leaves_of_evergreens_are_heavier_per_area(mesh):
+    shed, kept = (
+        bind_foliage(y_tree_mesh(leaf_cards()), mesh, wood_of_species(name)) for name in ("larch", "spruce")
+    )
+    assert kept.mass_kg.sum() == pytest.approx(
+        EVERGREEN_LEAF_MASS_KG_M2 / LEAF_MASS_KG_M2 * shed.mass_kg.sum()
+    )
 
 
 def test_leaf_mass_is_capped_and_bare_trees_have_none(mesh):
