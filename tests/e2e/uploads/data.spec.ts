@@ -61,7 +61,7 @@ test("an inventory plants its stems, from an address and from a dropped file", a
   }));
   const report = await reportOf(page, "Forest from an inventory");
   await expect(report).toContainText("3 of 3 rows");
-  await expect(report).toContainText("Winterlinde is shown as maple");
+  await expect(report).toContainText("Winterlinde is shown as beech");
   await report.getByRole("button", { name: "Close" }).click();
   await expect.poll(() => moving(page)).toBe(3);
 

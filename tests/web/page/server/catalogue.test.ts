@@ -103,6 +103,9 @@ test("species outside the mix are loaded when they are wanted, by their share or
   await settle();
   expect(catalogue.assets.map(({ id }) => id)).toEqual(["elm"]);
   expect(arriving.has("full")).toBe(true);
+  state.inventory = { builtin: new Set(["oak", "palm"]), names: new Set() } as unknown as typeof state.inventory;
+  await settle();
+  expect(catalogue.assets.map(({ id }) => id)).toEqual(["elm", "oak-forest", "oak"]);
 });
 
 test("a table of another mesh is not used", async () => {

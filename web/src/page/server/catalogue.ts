@@ -129,7 +129,7 @@ export class Catalogue {
   private isGrown({ tree }: Entry): boolean {
     const { settings, state } = this.store;
     const inventory = state.inventory === "loading" ? null : state.inventory;
-    if (tree.builtin) return inventory ? inventory.builtin.has(tree.species ?? "") : this.isInMix(tree);
+    if (tree.builtin) return inventory ? this.standsFor(inventory, tree) : this.isInMix(tree);
     return plantedAs(settings, tree.id) !== null || (inventory !== null && isNamedIn(inventory, tree));
   }
 
@@ -137,6 +137,13 @@ export class Catalogue {
   private isInMix(tree: Tree): boolean {
     const kind = kindOf(toGrown(tree), this.builtin);
     return (this.store.settings.shares[kind] ?? 1) > 0;
+  }
+
+  /** Whether a built-in tree stands for stems of an inventory; the first one does for species that this server lacks. */
+  private standsFor({ builtin }: NamedInventory, tree: Tree): boolean {
+    if (builtin.has(tree.species ?? "")) return true;
+    const served = new Set(this.builtin.map(({ species }) => species));
+    return tree.species === this.builtin[0]?.species && [...builtin].some((species) => !served.has(species));
   }
 
   private get builtin(): Grown[] {
