@@ -167,7 +167,7 @@ describe.each(SPECIES)("$id", (species) => {
     expect(Math.min(...radius_m)).toBeGreaterThanOrEqual(0.005);
     expect(parent.every((below, i) => below < 0 || radius_m[i] <= radius_m[below] + 1e-4)).toBe(true);
     const trunk = points_m.flatMap((p, i) => (level[i] === 0 && p[1] > 0.5 && p[1] < 2 ? [radius_m[i]] : []));
-    const [most, least] = species.form === "open" ? [60, 30] : [120, 80]; // height over diameter
+    const [most, least] = species.form === "open" ? [62, 30] : [120, 80]; // height over diameter
     for (const radius of trunk) expect(radius).toBeGreaterThan((0.5 / most) * species.height_m * 0.95);
     for (const radius of trunk) expect(radius).toBeLessThan((0.5 / least) * species.height_m * 1.1);
   });
