@@ -12,6 +12,8 @@ from galewood.util import Row, number_of
 
 GAP_INTERVALS = 1.5
 """A pause of more than this many intervals is a gap."""
+MOST_COMPACT = 0.5
+"""Share of cells such as 202401020010 above which those of a column are times of that form."""
 EPOCH_MS = 1e11
 """Numbers above this are milliseconds since 1970."""
 
@@ -24,7 +26,8 @@ class Clock:
         texts = [row.cell(time) for row in rows]
         self._dated = date >= 0 and is_clock(texts[0])
         dates = [row.cell(date) for row in rows] if self._dated else texts
-        compact = not time_unit and all(is_compact(text) for text in texts if text)
+        given = [is_compact(text) for text in texts if text]
+        compact = not time_unit and sum(given) > MOST_COMPACT * len(given)
         self._numbers = is_number(texts[0]) and not compact
         self._month_first = True if self._numbers else is_month_first(dates)
         self._daily = not self._dated and is_clock(texts[0])

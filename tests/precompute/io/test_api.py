@@ -7,6 +7,7 @@ import runpy
 import subprocess
 import sys
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, cast
 
@@ -64,6 +65,10 @@ def table(tree: galewood.Tree, cache_dir: Path) -> galewood.MotionTable:
     expected = ["meshing", "skeleton", "model", "sampling", "table", "records", "done"]
     assert list(dict.fromkeys(stages)) == expected
     return built
+
+
+def test_the_version_is_that_of_the_installation() -> None:
+    assert galewood.__version__ == version("galewood")
 
 
 def test_every_public_name_is_there_and_documented() -> None:

@@ -398,3 +398,11 @@ def test_arrays_give_the_wind_of_a_file_with_the_same_numbers() -> None:
 def test_arrays_that_are_no_series_are_refused(time_s: object, speed_m_s: object, said: str) -> None:
     with pytest.raises(MeasurementError, match=said):
         measured_wind(time_s, speed_m_s)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", ["202401020860", "20240102086", "---", ""])
+def test_one_bad_moment_does_not_make_the_others_numbers(bad: str) -> None:
+    lines = [f"20240102{k // 6:02d}{10 * (k % 6):02d};{3 + k % 4}.0;270" for k in range(144)]
+    lines[50] = f"{bad};4.0;270"
+    found = read_measurement(("MESS_DATUM;FF_10 (m/s);DD_10\n" + "\n".join(lines) + "\n").encode())
+    assert found.report.rate_hz == pytest.approx(1 / 600)

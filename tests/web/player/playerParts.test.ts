@@ -43,6 +43,9 @@ describe("trees at matrices", () => {
     const [x, z, yaw, scale] = placementOf([upright], new Matrix4().makeTranslation(10, 0, 0));
     [x - 11, z - 3, yaw - 0.7, scale - 2].forEach((error) => expect(Math.abs(error)).toBeLessThan(1e-6));
     expect(() => instancesOf([new Matrix4().makeScale(-1, 1, 1)])).toThrow(/mirrors/);
+    expect(() => instancesOf([new Matrix4(), new Matrix4().makeTranslation(Number.NaN, 0, 0)])).toThrow(
+      "matrix 1 has an element that is not a finite number",
+    );
   });
 });
 
