@@ -67,7 +67,7 @@ test("the stems of a dropped inventory get their wind risk", { tag: "@long" }, a
   await expect(stem).toContainText("Wind risk: Rotbuche, line 2");
   await expect(stem).toContainText("1 of 4");
   await expect(stem).toContainText("10 to 90 %");
-  await expect(stem).toContainText("Maple, forest-grown");
+  await expect(stem).toContainText("Beech, forest-grown");
   await expect(stem).toContainText("no substitute for an inspection");
   expect(await violations(page)).toEqual([]);
 
