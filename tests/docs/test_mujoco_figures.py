@@ -17,6 +17,8 @@ from tests.docs.test_figures import ROOT, found, rows_of
 
 NAME = "apricot-forest"
 MUJOCO_PAGE, URDF_PAGE = "docs/how-to/export-mujoco.md", "docs/how-to/export-urdf.md"
+MOST_POINTS = 0.7
+"""By which percentages may differ."""
 STEP_CELL = "ms"
 """In cells of times, which depend on the machine."""
 
@@ -57,13 +59,17 @@ def test_the_rows_are_what_is_measured(figures: ModuleType, page: str, head: str
 
 
 def same(cell: str, other: str) -> bool:
-    """Whether two cells differ in the last place of their numbers at most: processors round differently."""
+    """Whether two cells differ in the last place of their numbers at most: processors round differently.
+
+    Percentages may differ by more: the fit of the stiffnesses ends elsewhere on other processors.
+    """
     pattern = r"\d+(?:\.\d+)?"
     if re.sub(pattern, "", cell) != re.sub(pattern, "", other):
         return False
     pairs = zip(re.findall(pattern, cell), re.findall(pattern, other), strict=True)
+    loose = MOST_POINTS if "%" in cell else 0.0
     return all(
-        abs(float(a) - float(b)) <= 1.01 * 10.0 ** -len(b.partition(".")[2]) + 0.02 * float(b)
+        abs(float(a) - float(b)) <= 1.01 * 10.0 ** -len(b.partition(".")[2]) + 0.02 * float(b) + loose
         for a, b in pairs
     )
 
