@@ -11,6 +11,7 @@ from .io.api import Model as Model
 from .io.api import Motion as Motion
 from .io.api import MotionTable as MotionTable
 from .io.api import Placements as Placements
+from .io.api import PointMotion as PointMotion
 from .io.api import Tree as Tree
 from .io.api import body_winds as body_winds
 from .io.api import build as build

@@ -28,6 +28,7 @@ async function write(names, { groups = [], external = isThree, plugins } = {}) {
   await bundle.write({
     ...output,
     dir: DIST,
+    sourcemap: true,
     codeSplitting: { groups },
     entryFileNames: "[name].js",
     chunkFileNames: "[name].chunk.js",

@@ -3,6 +3,7 @@
  * only, so each file is looked at by itself. A name is kept where anything but `this` has a property of
  * that name, or a string contains it.
  */
+import { RolldownMagicString } from "rolldown";
 import { parseSync } from "rolldown/utils";
 
 const LETTERS = "abcdefghijklmnopqrstuvwxyz";
@@ -82,6 +83,17 @@ function useEdit({ name, node }) {
   return [node.key.start, node.key.end, node.shorthand ? `${shortOf(name)}: ${name}` : shortOf(name)];
 }
 
+/** The code with `instead` in the place of from..to of each edit, and the map that leads back. */
+export function edited(code, edits) {
+  const text = new RolldownMagicString(code);
+  for (const [from, to, instead] of edits) {
+    if (from === to) text.appendLeft(from, instead);
+    else if (instead === "") text.remove(from, to);
+    else text.overwrite(from, to, instead);
+  }
+  return { code: text.toString(), map: text.generateMap({ hires: true }).toString() };
+}
+
 function shorten(code, id) {
   const found = propertiesOf(parseSync(id, code).program);
   const names = hiddenNames(found);
@@ -94,9 +106,7 @@ function shorten(code, id) {
         : [[one.node.key.start, one.node.key.end, shortOf(one.name)]],
     )
     .concat(found.used.filter(ours).map(useEdit));
-  return edits
-    .sort((a, b) => b[0] - a[0])
-    .reduce((text, [from, to, instead]) => text.slice(0, from) + instead + text.slice(to), code);
+  return edited(code, edits);
 }
 
 export const shortNames = {

@@ -1,4 +1,5 @@
 /** Plugin: shader code without comments, and without spaces where it is neither a directive nor TypeScript. */
+import { edited } from "./shortNames.mjs";
 
 const short = (text) =>
   text
@@ -11,6 +12,14 @@ export const shorterShaders = {
   name: "shorter-shaders",
   transform: {
     filter: { id: /\.ts$/, code: /\/\* glsl \*\// },
-    handler: (code) => code.replace(/\/\* glsl \*\/ `[^`]*`/g, short),
+    handler: (code) =>
+      edited(
+        code,
+        Array.from(code.matchAll(/\/\* glsl \*\/ `[^`]*`/g), ({ 0: shader, index }) => [
+          index,
+          index + shader.length,
+          short(shader),
+        ]),
+      ),
   },
 };

@@ -4,6 +4,7 @@ from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian
 from galewood.player.periodic import PERIOD_START_S, periodic_motion
 from galewood.player.pulling import DragConstraint, PointResponse, PullError, point_response
+from galewood.player.recording import record_points
 from galewood.player.sway import grid_placements, play
 from galewood.player.wind_driven import WindDrivenTrees
 
@@ -20,4 +21,5 @@ __all__ = [
     "periodic_motion",
     "play",
     "point_response",
+    "record_points",
 ]

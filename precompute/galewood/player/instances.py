@@ -50,6 +50,16 @@ class TreeInstances:
         """Where the trees stand."""
         return Standing(self.x_m, self.z_m, self._turn, self._size)
 
+    @property
+    def steps(self) -> tuple[Floats, Floats, Floats]:
+        """Poses (count, r) before and after the last step, and the share (count,) of it that is shown."""
+        return self._before, self._now, self._phase
+
+    @property
+    def period_s(self) -> Floats:
+        """(count,) time of a step of each tree, s."""
+        return self._dt_s * self._size
+
     def _begin(
         self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike
     ) -> tuple[Floats, Floats]:

@@ -11,7 +11,7 @@ from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.player.place_gusts import PlaceGusts
 from galewood.table import Table
-from galewood.util import Singles
+from galewood.util import Floats, Singles
 
 
 def forest_of(
@@ -55,6 +55,25 @@ class WindDrivenTrees:
     def q(self) -> Singles:
         """(n, r) modal coordinates q of the poses, m; the next step overwrites them."""
         return self._forest.q
+
+    @property
+    def steps(self) -> tuple[Floats, Floats, Floats]:
+        """Poses (n, r) before and after the last step of each tree, and the share (n,) that is shown."""
+        return self._forest.steps
+
+    @property
+    def period_s(self) -> Floats:
+        """(n,) time of a step of each tree, s."""
+        return self._forest.period_s
+
+    @property
+    def pressure_pa(self) -> Floats:
+        """(n, 2) pressure on each tree along world x and z, in the last step."""
+        return np.column_stack([self._pressure.x_pa, self._pressure.z_pa])
+
+    def wind_m_s(self, field: WindField, time_s: float) -> Floats:
+        """(n, 2) velocity of the wind at the top of each tree along world x and z."""
+        return self._pressure.wind_m_s(field, time_s)
 
     @property
     def extrapolation_ratio(self) -> Singles:

@@ -57,6 +57,63 @@ test("the custom element, whose wind can be changed", { tag: "@long" }, async ({
   await expect(page.locator("canvas")).toHaveCount(0);
 });
 
+test("the custom element says what is wrong with a wind, and keeps the one before", { tag: "@long" }, async ({ page, quiet }) => {
+  const thrown: unknown[] = [];
+  page.on("pageerror", (error) => thrown.push(error));
+  await page.goto(`${await serving(EXAMPLES)}/element/`);
+  await swaying(page);
+  const element = page.locator("galewood-forest");
+  await element.evaluate((one) => one.setAttribute("wind", '{"version": 1, "model": "typo"}'));
+  await expect(element).toHaveAttribute("data-error", /wind\.model: expected one of/);
+  await swaying(page);
+  await element.evaluate((one) => one.setAttribute("wind", "breeze"));
+  await expect(element).not.toHaveAttribute("data-error");
+  expect(thrown).toEqual([]);
+  expect(quiet.splice(0).join()).toContain("WindError: wind.model");
+});
+
+test.describe("the custom element says why it shows no trees", { tag: "@long" }, () => {
+  const said = (page: Page) => page.locator("galewood-forest").getByRole("alert");
+  /** The console has the same error, with its stack. */
+  const logged = (quiet: string[]) => quiet.splice(0).join();
+
+  test("without WebGL", async ({ page, quiet }) => {
+    await page.addInitScript(() => {
+      HTMLCanvasElement.prototype.getContext = () => null;
+    });
+    await countWorkers(page);
+    await page.goto(`${await serving(EXAMPLES)}/element/`);
+    await expect(said(page)).toContainText("WebGL 2 is switched off or missing");
+    expect(await running(page)).toBe(0);
+    expect(logged(quiet)).toContain("WebGL 2");
+  });
+
+  for (const [what, address, answer] of [
+    ["a table is another file", "**/poplar.table", { body: "\x89PNG", contentType: "application/octet-stream" }],
+    ["a mesh is another file", "**/poplar.glb", { body: "\x89PNG", contentType: "application/octet-stream" }],
+    ["a server answers with its own page", "**/poplar.glb", { body: "<!doctype html>", contentType: "text/html" }],
+  ] as const) {
+    test(`where ${what}, with the address`, async ({ page, quiet }) => {
+      await page.route(address, (route) => route.fulfill(answer));
+      await page.goto(`${await serving(EXAMPLES)}/element/`);
+      await expect(said(page)).toContainText(address.slice("**/".length));
+      await expect(page.locator("canvas")).toHaveCount(0);
+      expect(logged(quiet)).toContain(address.slice("**/".length));
+    });
+  }
+
+  test("where no service answers", async ({ page, quiet }) => {
+    await page.route("**/api/trees", (route) => route.fulfill({ body: "{}", contentType: "application/json" }));
+    await page.route("**/element/", async (route) => {
+      const page = await (await route.fetch()).text();
+      await route.fulfill({ body: page.replace(/ src="[^"]*"/, ' service="/"'), contentType: "text/html" });
+    });
+    await page.goto(`${await serving(EXAMPLES)}/element/`);
+    await expect(said(page)).toContainText("/api/trees: this is not the list of trees of a Galewood service");
+    expect(logged(quiet)).toContain("/api/trees");
+  });
+});
+
 test("react-three-fiber in strict mode: trees sway, and can be clicked", { tag: "@long" }, async ({ page }) => {
   await countWorkers(page);
   await bundled("r3f", "three", join(folder, "r3f"));

@@ -13,7 +13,9 @@ from typing import Any, cast
 
 import galewood
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 from galewood.motion.wind import WindField
 from galewood.player.modal_forest import ModalForest
 from galewood.table import encode
@@ -83,6 +85,75 @@ def test_importing_the_library_loads_no_stage() -> None:
     assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[]"
 
 
+def test_a_recorded_forest_is_the_stepped_one_with_its_derivatives(table: galewood.MotionTable) -> None:
+    wind = galewood.PRESETS["autumn-gusts"]
+    place = [(3.0, -2.0, 0.7, 1.0)]
+    motion = galewood.Forest([table], place, wind).record(6.0)
+    stepped, dt_s = galewood.Forest([table], place, wind), float(table.metadata["dt_s"])
+    top = table.table.node_basis[int(np.argmax(table.table.node_rest_m[:, 1]))]
+    own = [top @ stepped.modal_coordinates(0)]
+    for _ in range(180):
+        stepped.step(dt_s)
+        own.append(top @ stepped.modal_coordinates(0))
+    cos, sin = np.cos(0.7), np.sin(0.7)
+    turned = np.array(own) @ np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]).T
+    size = np.abs(turned).max()
+    np.testing.assert_allclose(motion.displacement_m[:, 0], turned, atol=1e-5 * size)
+    assert motion.time_s[-1] == pytest.approx(6.0)
+    # the derivatives are those of a track sampled finely
+    fine = galewood.Forest([table], place, wind).record(6.0, rate_hz=960)
+    for of, rate in [
+        (fine.displacement_m, fine.velocity_m_s),
+        (fine.velocity_m_s, fine.acceleration_m_s2),
+    ]:
+        expected = np.gradient(of, fine.time_s, axis=0)[2:-2]
+        assert np.abs(expected - rate[2:-2]).max() < 0.02 * np.abs(rate).max()
+
+
+def test_a_tree_in_still_air_recorded_is_an_oscillator_of_its_frequency(table: galewood.MotionTable) -> None:
+    scale = 1.5
+    forest = galewood.Forest([table], [(0.0, 0.0, 0.0, scale)], galewood.Wind(mean_speed_m_s=6.0))
+    forest.record(10.0)
+    forest.wind = galewood.Wind(mean_speed_m_s=0.0)
+    forest.record(3.0)
+    motion = forest.record(6.0, rate_hz=60)
+    across, towards = motion.displacement_m[:, 0, 0], -motion.acceleration_m_s2[:, 0, 0]
+    hertz = np.sqrt((across * towards).sum() / (across * across).sum()) / (2 * np.pi)
+    assert hertz == pytest.approx(table.frequencies_hz[0] / scale, rel=0.05)
+    assert np.abs(motion.wind_m_s).max() == np.abs(motion.pressure_pa).max() == 0.0
+
+
+def test_recorded_motion_is_refused_what_is_no_time_or_vertex(table: galewood.MotionTable) -> None:
+    forest = galewood.Forest([table], [(0.0, 0.0)], galewood.Wind())
+    for arguments, said in [
+        ((math.nan,), "duration_s"), ((0.0,), "duration_s"), ((math.inf,), "duration_s"),
+    ]:  # fmt: skip
+        with pytest.raises(ValueError, match=said):
+            forest.record(*arguments)
+    with pytest.raises(ValueError, match="rate_hz"):
+        forest.record(1.0, rate_hz=0.0)
+    with pytest.raises(ValueError, match="vertex must lie between"):
+        forest.record(1.0, vertex=10**9)
+    with pytest.raises(ValueError, match="no trees"):
+        galewood.Forest([table], galewood.grid(0), galewood.Wind()).record(1.0)
+    lowest = int(np.argmin(table.rest_vertices_m[:, 1]))
+    assert np.abs(forest.record(2.0, vertex=lowest).displacement_m).max() < 0.01 * table.height_m
+
+
+def test_recorded_motion_and_measured_wind_compose_with_pandas_and_xarray(
+    table: galewood.MotionTable,
+) -> None:
+    index = pd.date_range("2026-01-02", periods=120, freq="500ms")
+    series = pd.Series(5.0 + np.sin(np.arange(120.0)), index=index)
+    of_series = galewood.measured_wind(series.index, series, 240.0).wind
+    of_arrays = galewood.measured_wind(0.5 * np.arange(120.0), series.to_numpy(), 240.0).wind
+    array = xr.DataArray(series.to_numpy(), coords={"time": index}, dims="time")
+    assert of_series == of_arrays == galewood.measured_wind(array.time, array, 240.0).wind
+    motion = galewood.Forest([table], galewood.grid(3), of_series).record(2.0)
+    frame = pd.DataFrame(motion.displacement_m[:, :, 0], index=motion.time_s)
+    assert frame.shape == (61, 3) and float(frame.abs().to_numpy().max()) > 0.0
+
+
 def test_the_model_has_the_frequencies_of_the_table(
     tree: galewood.Tree, table: galewood.MotionTable, cache_dir: Path
 ) -> None:
@@ -92,6 +163,11 @@ def test_the_model_has_the_frequencies_of_the_table(
     motion = model.simulate(galewood.Wind(mean_speed_m_s=8.0), duration_s=1.0)
     assert motion.displacement_m.shape == (30, len(model.rest_vertices_m), 3)
     assert 0 < np.abs(motion.displacement_m).max() < tree.height_m
+    assert motion.velocity_m_s.shape == motion.acceleration_m_s2.shape == motion.displacement_m.shape
+    weight_n = 9.81 * model.mass_kg
+    assert motion.base_force_n[:, 1] == pytest.approx(-weight_n, rel=0.05)
+    assert (motion.base_force_n[10:, 0] > 0).all()  # the wind blows to x, and turns the tree about −z
+    assert motion.base_moment_nm[-1, 2] < motion.base_moment_nm[0, 2]
     still = model.simulate(galewood.Wind(mean_speed_m_s=0.0), duration_s=0.2)
     assert np.abs(still.displacement_m).max() < 1e-6 * tree.height_m
     with pytest.raises(ValueError, match="time step"):

@@ -315,6 +315,9 @@ def test_useless_files_are_refused(text: str) -> None:
         ("Stieleiche", "oak", "quercus"), ("European ash", "ash", "fraxinus"), ("Moorbirke", "birch", "betula"),
         ("Trauerweide", "willow", "salix"), ("Fichte", "spruce", "picea"), ("Larix decidua", "larch", "larix"),
         ("Winterlinde", "beech", "tilia"), ("quite unknown", "maple", ""),
+        ("Bu", "beech", "fagus"), ("Ei", "oak", "quercus"), ("Fi", "spruce", "picea"), ("Lä", "larch", "larix"),
+        ("BAh", "sycamore", "acer"), ("SAh", "maple", "acer"), ("DGL", "spruce", "pseudotsuga"),
+        ("FASY", "beech", "fagus"), ("Acps", "sycamore", "acer"),
     ],
 )  # fmt: skip
 def test_names_of_species(name: str, builtin: str, genus: str) -> None:

@@ -5,6 +5,8 @@
  * - `service`: address of a Galewood service instead, whose trees are planted.
  * - `trees`: their number, 1 to 500 (9).
  * - `wind`: a preset (still, breeze, autumn-gusts, storm-front), or a wind document.
+ *
+ * Where no trees can be shown it says why, in a paragraph and in its attribute `data-error`.
  */
 import { PRESETS, parseWindText, type WindDocument } from "./core";
 import { Forest, servedTrees } from "./three";
@@ -34,20 +36,45 @@ export class GalewoodForest extends Base {
     const mount = ++this.mounts;
     this.begin().catch((error: unknown) => {
       if (mount !== this.mounts) return; // removed from the page meanwhile
-      this.setAttribute("data-error", `${error}`);
-      console.error(error);
+      this.stop();
+      this.report(error);
+      this.show(`No trees: ${error instanceof Error ? error.message : error}`);
     });
+  }
+
+  private report(error: unknown): void {
+    this.setAttribute("data-error", `${error}`);
+    console.error(error);
+  }
+
+  private show(reason: string): void {
+    const said = document.createElement("p");
+    said.setAttribute("role", "alert");
+    said.textContent = reason;
+    this.append(said);
+    this.end = () => said.remove();
   }
 
   disconnectedCallback(): void {
     this.mounts++;
+    this.stop();
+  }
+
+  private stop(): void {
     this.end();
     this.end = () => {};
     this.forest = null;
   }
 
+  /** A wind with a mistake is reported, and the wind before goes on. */
   attributeChangedCallback(_name: string, _before: string | null, wind: string | null): void {
-    if (this.forest) this.forest.wind = windOf(wind);
+    if (!this.forest) return;
+    try {
+      this.forest.wind = windOf(wind);
+      this.removeAttribute("data-error");
+    } catch (error) {
+      this.report(error);
+    }
   }
 
   private async begin(): Promise<void> {

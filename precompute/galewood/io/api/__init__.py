@@ -6,7 +6,7 @@ from galewood.io.api.envelopes import sway_envelope
 from galewood.io.api.evaluation import evaluate
 from galewood.io.api.exports import body_winds, export_tree
 from galewood.io.api.field_reports import field_report
-from galewood.io.api.forests import Forest, Placements, grid
+from galewood.io.api.forests import Forest, Placements, PointMotion, grid
 from galewood.io.api.measured_motion import calibrate, simulated_motion
 from galewood.io.api.models import Model, Motion
 from galewood.io.api.stands import stand_risk
@@ -20,6 +20,7 @@ __all__ = [
     "Motion",
     "MotionTable",
     "Placements",
+    "PointMotion",
     "Tree",
     "body_winds",
     "build",

@@ -16,7 +16,7 @@ from galewood.io.api.expected import expect
 from galewood.io.api.tables import MotionTable
 from galewood.motion.wind import Wind, WindField
 from galewood.options import METHOD_NAMES, Method
-from galewood.player import WindDrivenTrees, grid_placements
+from galewood.player import WindDrivenTrees, grid_placements, record_points
 from galewood.solid.skinning import drawn_positions, joint_rows
 from galewood.util import Floats, Ints
 
@@ -54,6 +54,24 @@ def grid(count: int, *, tables: int = 1, seed: int = 0) -> Placements:
     """Trees on a jittered grid, 10 m apart, turned and scaled (0.8 to 1.2) at random; tables in turn."""
     x_m, z_m, yaw_rad, scale = grid_placements(count, seed)
     return Placements(x_m, z_m, yaw_rad, scale, np.arange(count) % tables)
+
+
+@dataclass(frozen=True)
+class PointMotion:
+    """T samples of the motion of a point of each of n trees, as it is shown, along the world's axes."""
+
+    time_s: Floats
+    """(T,)"""
+    displacement_m: Floats
+    """(T, n, 3) from the place at rest, at the size at which the tree stands."""
+    velocity_m_s: Floats
+    """(T, n, 3)"""
+    acceleration_m_s2: Floats
+    """(T, n, 3)"""
+    wind_m_s: Floats
+    """(T, n, 2) velocity of the wind at the top of each tree, along x and z."""
+    pressure_pa: Floats
+    """(T, n, 2) dynamic pressure on each tree, along x and z; compressed beyond the range of its table."""
 
 
 class Forest:
@@ -126,6 +144,40 @@ class Forest:
         for group in self._groups:
             group.step(self._field, self.time_s, dt_s)
 
+    def record(self, duration_s: float, *, rate_hz: float = 30.0, vertex: int | None = None) -> PointMotion:
+        """Advance all trees and return the motion of a point of each as arrays.
+
+        Args:
+            duration_s: How long to record; the forest is at the time of the last sample afterwards.
+            rate_hz: Samples per second, 1 to 1000.
+            vertex: The place that holds this render vertex, in every table; by default the highest node.
+
+        Returns:
+            Displacement, velocity and acceleration (T, n, 3), wind and pressure (T, n, 2); the first sample
+            is that of the present pose.
+
+        Raises:
+            ValueError: A time, a rate or a vertex is out of range, or the forest has no trees.
+        """
+        if not (isinstance(rate_hz, Real) and 1.0 <= float(rate_hz) <= 1000.0):
+            raise ValueError(f"rate_hz must be 1 to 1000 per second, not {rate_hz!r:.40}")
+        if not (isinstance(duration_s, Real) and 1.0 / rate_hz <= float(duration_s) < math.inf):
+            raise ValueError(f"duration_s must be at least one sample, 1 / rate_hz, not {duration_s!r:.40}")
+        used = [k for k, members in enumerate(self._members) if len(members)]
+        if not used:
+            raise ValueError("the forest has no trees")
+        rows = [_point_rows(self.tables[k], vertex) for k in used]
+        time_s = self.time_s + np.arange(math.floor(duration_s * rate_hz + 1e-9) + 1) / rate_hz
+        tracks = record_points([self._groups[k] for k in used], rows, self._field, time_s)
+        self.time_s = float(time_s[-1])
+        count = len(self.placements)
+        moved, blown = np.zeros((3, len(time_s), count, 3)), np.zeros((2, len(time_s), count, 2))
+        for k, of_group in zip(used, tracks, strict=True):
+            moved[:, :, self._members[k]], blown[:, :, self._members[k]] = of_group.moved, of_group.blown
+        at = self.placements
+        turned = np.einsum("nij,ktnj->ktni", _turns(at.yaw_rad) * at.scale[:, None, None], moved)
+        return PointMotion(time_s, *turned, *blown)
+
     def modal_coordinates(self, tree: int) -> Floats:
         """(r,) modal coordinates of a tree, m: its displacement is Σ basis_k q_k."""
         group = self._groups[int(self.placements.table[tree])]
@@ -159,8 +211,24 @@ def _placements_of(rows: npt.ArrayLike, tables: int) -> Placements:
     return Placements(given[:, 0], given[:, 1], yaw_rad, scale, np.arange(count) % tables)
 
 
+def _point_rows(one: MotionTable, vertex: int | None) -> Floats:
+    """(3, r) displacement of the highest node, or of what holds a render vertex, per modal coordinate."""
+    table = one.table
+    if vertex is None:
+        return table.node_basis[int(np.argmax(table.node_rest_m[:, 1]))].astype(np.float64)
+    count = len(table.vertex_joint)
+    if not 0 <= vertex < count:
+        raise ValueError(f"vertex must lie between 0 and {count - 1} for the table of {one.name}")
+    return joint_rows(table, table.node_basis)[int(table.vertex_joint[vertex])].astype(np.float64)
+
+
+def _turns(yaw_rad: Floats) -> Floats:
+    """(n, 3, 3) rotations about the vertical, from the frame of a tree to the world."""
+    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
+    zero, one = np.zeros_like(cos), np.ones_like(cos)
+    return np.array([[cos, zero, sin], [zero, one, zero], [-sin, zero, cos]]).transpose(2, 0, 1)
+
+
 def _placed(vertices_m: Floats, x_m: float, z_m: float, yaw_rad: float, scale: float) -> Floats:
     """Vertices scaled, turned about y and moved, as the viewer draws them."""
-    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
-    turn: npt.NDArray[np.float64] = np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
-    return scale * vertices_m @ turn.T + np.array([x_m, 0.0, z_m])
+    return scale * vertices_m @ _turns(np.array([yaw_rad]))[0].T + np.array([x_m, 0.0, z_m])

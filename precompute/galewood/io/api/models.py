@@ -33,6 +33,20 @@ class Motion:
     """(T, n, 3) displacement of the wood's vertices from the rest pose under gravity."""
     pressure_pa: Floats
     """(T, 2) dynamic pressure along x and z during the step that ends at each frame."""
+    base_force_n: Floats
+    """(T, 3) force of the tree on the ground, its weight included."""
+    base_moment_nm: Floats
+    """(T, 3) moment of the tree on the ground about its foot (the origin), its weight included."""
+
+    @property
+    def velocity_m_s(self) -> Floats:
+        """(T, n, 3) velocity of the vertices, by central differences; T must be at least 2."""
+        return np.gradient(self.displacement_m.astype(np.float64), self.time_s, axis=0)
+
+    @property
+    def acceleration_m_s2(self) -> Floats:
+        """(T, n, 3) acceleration of the vertices, by central differences twice."""
+        return np.gradient(self.velocity_m_s, self.time_s, axis=0)
 
 
 class Model:
@@ -126,12 +140,15 @@ class Model:
         pressure_pa = pressure_at_origin(wind, self.tree.height_m, time_s, self.fem.streamlined_exponent)
         simulator = Simulator(self.fem)
         displacement_m = np.empty((frames, self.fem.vertex_count, 3), np.float32)
+        momentum, load = np.zeros((frames + 1, 6)), np.zeros((frames, 6))  # it starts at rest
         for frame, pressure in enumerate(pressure_pa):
             simulator.step(pressure)
             displacement_m[frame] = simulator.u
+            momentum[frame + 1], load[frame] = simulator.balance()
             if on_progress:
                 on_progress((frame + 1) / frames)
-        return Motion(time_s, displacement_m, pressure_pa)
+        base = load - np.gradient(momentum, dt_s, axis=0)[1:]
+        return Motion(time_s, displacement_m, pressure_pa, base[:, :3], base[:, 3:])
 
 
 def pressure_at_origin(wind: Wind, height_m: float, time_s: Floats, exponent: float) -> Floats:

@@ -54,6 +54,7 @@ WOODS: dict[str, str] = {
 }
 """Species of wood (galewood.wood) by genus; all others have an average one."""
 SYCAMORE_NAMES = ("pseudoplatanus", "bergahorn", "sycamore maple")
+SYCAMORE_ABBREVIATIONS = ("bah", "acps")
 _COMMON = (
     "populus:poplar,aspen,cottonwood,pappel,espe,zitterpappel acer:maple,boxelder,ahorn "
     "prunus:apricot,cherry,plum,almond,peach,blackthorn,aprikose,marille,kirsche,pflaume,zwetschge,"
@@ -73,12 +74,25 @@ _COMMON = (
     "pyrus:pear,birne,birnbaum sambucus:elder,holunder "
     "sorbus:rowan,whitebeam,vogelbeere,eberesche,mehlbeere,elsbeere,speierling taxus:yew,eibe"
 )
-COMMON_NAMES: dict[str, str] = {
-    name: genus
-    for entry in _COMMON.split()
-    for genus, names in [entry.split(":")]
-    for name in names.split(",")
-}
+_ABBREVIATIONS = (
+    "picea:fi,gfi,ofi,pfi,piab pinus:ki,gki,wki,ski,zir,pisy,pini larix:lae,la,elae,ela,jlae,jla,hla,lade "
+    "abies:ta,wta,kta,abal pseudotsuga:dgl,dg,psme taxus:eib fagus:bu,rbu,fasy "
+    "quercus:ei,sei,stei,tei,trei,rei,quro,qupe,quru carpinus:hbu,hb,cabe fraxinus:es,ges,frex "
+    "acer:ah,bah,sah,fah,acps,acpl,acca ulmus:ul,rue,bul,ful robinia:rob,rops prunus:kir,vki,vkb,prav "
+    "betula:bi,gbi,mbi,bepe,bepu alnus:er,rer,ser,wer,algl populus:pa,as,asp,potr tilia:li,wli,sli,tico "
+    "salix:wei sorbus:vb,ebe,els juglans:nus castanea:eka,casa"
+)
+"""Whole names only: of German and Austrian forest inventories (Fi, Bu, SEi, BAh; as Sachsenforst and the
+Österreichische Waldinventur list them), and the first letters of genus and species (FASY)."""
+
+
+def _genera(entries: str) -> dict[str, str]:
+    pairs = [entry.split(":") for entry in entries.split()]
+    return {name: genus for genus, names in pairs for name in names.split(",")}
+
+
+COMMON_NAMES = _genera(_COMMON)
+ABBREVIATIONS = _genera(_ABBREVIATIONS)
 SHORTEST_ENDING = 4
 """Letters of a name that may be the end of a German compound, such as eiche in stieleiche."""
 SMALL_M = 8.0
@@ -118,7 +132,8 @@ def wood_species_of(name: str) -> str:
 
 
 def _is_sycamore(name: str) -> bool:
-    return any(known in plain(name) for known in SYCAMORE_NAMES)
+    words = plain(name)
+    return words in SYCAMORE_ABBREVIATIONS or any(known in words for known in SYCAMORE_NAMES)
 
 
 @lru_cache(maxsize=4096)
@@ -128,6 +143,8 @@ def genus_of(name: str) -> str:
     if words[0] in STANDS_FOR:
         return words[0]
     whole = "".join(words)
+    if whole in ABBREVIATIONS:
+        return ABBREVIATIONS[whole]
     # the noun comes last in English and in German
     for word in [whole, *reversed(words)]:
         if word in BUILTIN_SPECIES.values():

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from galewood.motion.wind.document import Wind
 from galewood.motion.wind.field import WindField
 from galewood.motion.wind.pressure import compress_pressure, dynamic_pressure, height_factor, limit_pressure
+from galewood.util import Floats
 
 
 class TreePressure:
@@ -49,6 +50,13 @@ class TreePressure:
             limit_pressure(self.x_pa, self.z_pa, self.most_pa)
         else:
             compress_pressure(self.x_pa, self.z_pa, self._peak_pa, self.most_pa, self.ratio)
+
+    def wind_m_s(self, field: WindField, time_s: float) -> Floats:
+        """(n, 2) velocity of the wind at the tops along x and z, at a time, s."""
+        self._set_strength(field.at(time_s).wind)
+        x, z = np.zeros(len(self._x_m)), np.zeros(len(self._x_m))
+        field.velocity(self._x_m, self._z_m, time_s, x, z)
+        return np.column_stack([x, z]) * self._factor[:, None]
 
     def _set_strength(self, wind: Wind) -> None:
         """Update the height factors and the pressures of the strongest gusts if the wind has changed."""

@@ -70,6 +70,19 @@ class Simulator:
         """(N,3) places of all nodes at gravity rest, m."""
         return self.model.nodes_m
 
+    def balance(self) -> tuple[Floats, Floats]:
+        """Momentum and external load of the tree, each (6,): N·s, N, then their moments about the origin.
+
+        The load is that of wind, weight and the mass-proportional part of the damping, at the places that the
+        nodes have now. What it exceeds the rate of change of the momentum by is borne by the ground.
+        """
+        arm = self._system.rest + self._u
+        momentum = self._mass[:, None] * self._velocity
+        drag = self._drag.at(self._velocity, self._pressure_pa).force_n
+        load = drag + self._gravity - self.model.alpha * momentum
+        both = [np.concatenate([of.sum(axis=0), np.cross(arm, of).sum(axis=0)]) for of in (momentum, load)]
+        return both[0], both[1]
+
     @property
     def internal_force(self) -> Floats:
         """(n,3) internal force before the last step minus the gravity it balances, N.

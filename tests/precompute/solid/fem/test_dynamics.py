@@ -95,6 +95,30 @@ def test_record_refers_to_the_state_before_the_step() -> None:
     np.testing.assert_array_equal(simulator.recorded_stiffness(some), simulator.stiffness_diagonal[some])
 
 
+def test_the_load_less_the_rate_of_momentum_is_the_force_of_the_clamped_nodes() -> None:
+    model = small()
+    model = replace(model, settings=replace(model.settings, dt_s=1 / 480))
+    simulator, system = Simulator(model), model.system()
+    fixed, foot = np.array(model.fixed), system.rank[model.fixed]
+    momentum, load, reaction = [], [], []
+    for k in range(240):
+        simulator.step(np.array([40.0 * np.sin(0.02 * k) ** 2, 10.0]))
+        of_momentum, of_load = simulator.balance()
+        inner = np.zeros_like(system.rest)
+        system.force(simulator.u[system.order], model.beta * simulator.v[system.order], inner)
+        force = model.gravity_n[fixed] - inner[foot]
+        momentum.append(of_momentum)
+        load.append(of_load)
+        reaction.append(
+            np.concatenate([force.sum(axis=0), np.cross(model.nodes_m[fixed], force).sum(axis=0)])
+        )
+    base = np.array(load) - np.gradient(np.array(momentum), model.settings.dt_s, axis=0)
+    sway = np.array(reaction)[5:-5] - np.array(reaction)[0]
+    worst = np.abs(base - reaction)[5:-5].max(axis=0) / np.abs(sway).max()
+    assert np.abs(sway[:, 0]).max() > 0.1  # N: the wind pushes
+    assert worst.max() < 0.02
+
+
 def test_weak_wind_causes_a_linear_response_along_its_direction() -> None:
     model = small()
     ends = []

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { fileBytes } from "../../../../web/player/src/core/net/fileBytes";
+import { faultOf, fileBytes } from "../../../../web/player/src/core/net/fileBytes";
 
 const asked = (body: string, init: ResponseInit) => async () => new Response(body, init);
 
@@ -22,4 +22,10 @@ test.each([
   ],
 ])("a file that does not come is named in the error", async (response, said) => {
   await expect(fileBytes("trees/poplar.table", response())).rejects.toThrow(said);
+});
+
+test("a fault inside of a file names its address, once", () => {
+  expect(faultOf("trees/poplar.table", new Error("not a table"))).toBe("trees/poplar.table: not a table");
+  expect(faultOf("a.glb", "a.glb: not a mesh")).toBe("a.glb: not a mesh");
+  expect(faultOf(new ArrayBuffer(0), new Error("not a table"))).toBe("not a table");
 });

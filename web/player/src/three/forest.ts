@@ -10,8 +10,9 @@ import {
   Vector3,
   type WebGLRenderer,
 } from "three";
-import type { Point, Wind } from "../core/forest/givenWind";
-import { fileBytes } from "../core/net/fileBytes";
+import { checkedWind, type Point, velocityAt, type Wind } from "../core/forest/givenWind";
+import { checkStep } from "../core/motion/steppedTrees";
+import { faultOf, fileBytes } from "../core/net/fileBytes";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import { openMesh } from "../trees/mesh/openMesh";
 import { disposeModel, readPlainTree, type TreeModel } from "../trees/mesh/treeMesh";
@@ -64,15 +65,25 @@ const absolute = (from: string | URL | ArrayBuffer) =>
 /** To what the addresses of a mesh's pictures are relative: its folder, or for contents the page. */
 const baseOf = (mesh: string | URL | ArrayBuffer) => `${absolute(mesh)}`.replace(/[^/?]*(\?.*)?$/, "");
 
-const bytesOf = async (from: string | URL | ArrayBuffer) =>
-  from instanceof ArrayBuffer ? from : fileBytes(`${from}`, fetch(from));
+async function modelOf(mesh: string | URL | ArrayBuffer): Promise<TreeModel> {
+  const from = absolute(mesh);
+  try {
+    const bytes = from instanceof ArrayBuffer ? from : await fileBytes(from, fetch(from));
+    return readPlainTree(await openMesh(bytes, baseOf(mesh)));
+  } catch (error) {
+    throw new Error(faultOf(from, error), { cause: error });
+  }
+}
 
 /** Checks that a table was made for a mesh. */
-function checkFit({ motion, model }: Loaded): void {
+function checkFit({ motion, model }: Loaded, mesh: TreeFiles["mesh"]): void {
   const vertices = model.parts.reduce((sum, part) => sum + part.vertices, 0);
   if (vertices !== motion.vertexJoint.length)
     throw new Error(
-      `the table moves ${motion.vertexJoint.length} vertices, the mesh has ${vertices}: use the GLB that belongs to it`,
+      faultOf(
+        absolute(mesh),
+        `the table moves ${motion.vertexJoint.length} vertices, this mesh has ${vertices}: use the GLB that belongs to it`,
+      ),
     );
 }
 
@@ -105,6 +116,7 @@ export class Forest extends Group {
 
   constructor({ wind, materials = ownMaterial, worker = startWorker, ...view }: ForestOptions) {
     super();
+    this.blowing = checkedWind(wind); // before a worker is started
     this.viewing = { detail_m: view.detail_m ?? [34, 80], shadow_m: view.shadow_m ?? 120 };
     this.client = new WorkerClient(worker());
     this.client.failed = (fault) => {
@@ -118,16 +130,19 @@ export class Forest extends Group {
       flutter: { value: { x: 0, y: 1 } },
       exaggeration: { value: 1 },
     };
-    this.blowing = wind;
-    this.wind = wind;
+    this.wind = this.blowing;
   }
 
-  /** The wind: a document (spec/formats/wind.md), or a function. A new document takes over within 0.6 s. */
+  /**
+   * The wind: a document (spec/formats/wind.md), or a function. A new document takes over within 0.6 s; one with a mistake
+   * throws WindError, and the wind stays as it was.
+   */
   get wind(): Wind {
     return this.blowing;
   }
 
-  set wind(wind: Wind) {
+  set wind(given: Wind) {
+    const wind = checkedWind(given);
     this.blowing = wind;
     this.client.setWind(typeof wind === "function" ? null : wind);
   }
@@ -172,12 +187,9 @@ export class Forest extends Group {
 
   private load({ table, mesh }: TreeFiles): Promise<Loaded> {
     const read = async (): Promise<Loaded> => {
-      const [read_, model] = await Promise.all([
-        this.client.load(absolute(table)),
-        bytesOf(mesh).then(async (bytes) => readPlainTree(await openMesh(bytes, baseOf(mesh)))),
-      ]);
+      const [read_, model] = await Promise.all([this.client.load(absolute(table)), modelOf(mesh)]);
       const loaded = { ...read_, model };
-      checkFit(loaded);
+      checkFit(loaded, mesh);
       this.models.add(model);
       return loaded;
     };
@@ -237,6 +249,7 @@ export class Forest extends Group {
 
   /** Advances the motion by dt_s (s) and selects what this camera sees. Call it before every picture. */
   update(dt_s: number, camera: Camera): void {
+    checkStep(dt_s);
     this.updateWorldMatrix(true, false);
     this.follow();
     this.hook();
@@ -269,7 +282,7 @@ export class Forest extends Group {
     return (group: number, velocity: Float32Array, time_s: number) => {
       for (const [k, matrix] of this.groves.get(group)?.matrices.entries() ?? []) {
         (at as Vector3).setFromMatrixPosition(matrix).applyMatrix4(this.matrixWorld);
-        const { x, z } = wind(at, time_s);
+        const { x, z } = velocityAt(wind, at, time_s);
         velocity[2 * k] = x;
         velocity[2 * k + 1] = z;
       }

@@ -32,9 +32,17 @@ export function places(count: number): Matrix4[] {
   });
 }
 
+function startRenderer(): WebGLRenderer {
+  try {
+    return new WebGLRenderer({ antialias: true, alpha: true });
+  } catch (cause) {
+    throw new Error("this browser does not show 3D graphics: WebGL 2 is switched off or missing", { cause });
+  }
+}
+
 /** A picture that fills an element, with sun, sky and ground for so many trees at `places`. */
 export class Stage {
-  private readonly renderer = new WebGLRenderer({ antialias: true, alpha: true });
+  private readonly renderer = startRenderer();
   private readonly camera = new PerspectiveCamera(46, 1, 0.3, 1000);
   private readonly scene = new Scene();
   private readonly observer: ResizeObserver;

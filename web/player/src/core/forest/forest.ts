@@ -2,7 +2,7 @@
 import { type Jointed, NodePose } from "../motion/nodePose";
 import type { Table } from "../table/table";
 import { WindField } from "../wind/field";
-import { GivenWind, type Point, type Wind } from "./givenWind";
+import { checkedWind, GivenWind, type Point, velocityAt, type Wind } from "./givenWind";
 import { advance, type Trees, treesOf } from "./trees";
 
 /** Where a tree stands. */
@@ -93,7 +93,7 @@ export class Forest {
       return grove;
     });
     this.count = first;
-    this.field = this.fieldOf(wind);
+    this.field = this.fieldOf(checkedWind(wind));
   }
 
   /** Time of the forest, s. */
@@ -101,8 +101,9 @@ export class Forest {
     return this.now_s;
   }
 
-  /** Changes the wind: from one document to another within 0.6 s, otherwise at once. */
-  setWind(wind: Wind): void {
+  /** Changes the wind: from one document to another within 0.6 s, otherwise at once. Throws WindError if it is none. */
+  setWind(given: Wind): void {
+    const wind = checkedWind(given);
     if (typeof wind === "function" || this.field instanceof GivenWind) this.field = this.fieldOf(wind);
     else this.field.change(wind, this.now_s);
   }
@@ -115,14 +116,14 @@ export class Forest {
       const places = groveOf.get(x)?.places ?? [];
       for (let i = 0; i < x.length; i++) {
         [at.x, at.y, at.z] = [x[i], places[i]?.y_m ?? 0, z[i]];
-        const velocity = wind(at, time_s);
+        const velocity = velocityAt(wind, at, time_s);
         outX[i] = velocity.x;
         outZ[i] = velocity.z;
       }
     });
   }
 
-  /** Advances by dt_s (s), in steps of at most 1/30 s. */
+  /** Advances by dt_s (s), in steps of at most 1/30 s. Throws RangeError for what is no time. */
   step(dt_s: number): void {
     const trees = this.groves.map((grove) => grove.trees);
     this.now_s = advance(trees, this.field, this.now_s, dt_s);

@@ -1,6 +1,6 @@
 /** Winds of a forest: a wind document, or a function of place and time. */
 
-import type { WindDocument } from "../wind/document";
+import { parseWind, type WindDocument } from "../wind/document";
 import { WindField } from "../wind/field";
 import type { Output, Places } from "../wind/frame";
 import type { Moment } from "../wind/transition";
@@ -22,6 +22,23 @@ export type WindFunction = (
 ) => { readonly x: number; readonly z: number };
 
 export type Wind = WindDocument | WindFunction;
+
+/** A wind that somebody else passes; throws WindError that names the field if it is a document with a mistake. */
+export const checkedWind = (wind: Wind): Wind => (typeof wind === "function" ? wind : parseWind(wind));
+
+/** What a function says of a place (m) at a time (s); throws RangeError for anything but a velocity. */
+export function velocityAt(
+  wind: WindFunction,
+  place: Readonly<Point>,
+  time_s: number,
+): { x: number; z: number } {
+  const velocity = wind(place, time_s);
+  if (!Number.isFinite(velocity.x + velocity.z))
+    throw new RangeError(
+      `wind function: expected numbers x and z (m/s), not ${velocity.x} and ${velocity.z}`,
+    );
+  return velocity;
+}
 
 /** A wind whose speed does not grow with height, and without gusts within crowns. */
 const AS_GIVEN: WindDocument = {

@@ -16,8 +16,14 @@ const MAX_STEP_S = 1 / 30;
 const FULL_M = 50;
 const GONE_M = 80;
 
-/** Number and length of the steps that make up a frame. */
+/** Throws RangeError unless it is a time by which a forest can advance, s. */
+export function checkStep(dt_s: number): void {
+  if (!(dt_s >= 0 && dt_s < Infinity)) throw new RangeError(`dt_s: expected seconds from 0 on, not ${dt_s}`);
+}
+
+/** Number and length of the steps that make up a frame. Throws RangeError for what is no time. */
 export function stepsOf(dt_s: number): { steps: number; step_s: number } {
+  checkStep(dt_s);
   const steps = Math.max(1, Math.ceil(dt_s / MAX_STEP_S - 1e-9));
   return { steps, step_s: dt_s / steps };
 }

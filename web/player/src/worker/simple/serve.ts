@@ -1,6 +1,6 @@
 /** Answers the messages of a forest, whoever computes its poses. */
 
-import { fileBytes } from "../../core/net/fileBytes";
+import { faultOf, fileBytes } from "../../core/net/fileBytes";
 import { drawnBuffers } from "../../core/table/drawnMotion";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import type { WindDocument } from "../../core/wind/document";
@@ -24,7 +24,7 @@ async function load(maker: PoseMaker, table: number, from: string | ArrayBuffer,
     const motion = maker.read(table, bytes, `${from}`);
     post({ kind: "table", table, motion }, drawnBuffers(motion));
   } catch (error) {
-    post({ kind: "failed", table, fault: error instanceof Error ? error.message : `${error}` }, []);
+    post({ kind: "failed", table, fault: faultOf(from, error) }, []);
   }
 }
 
