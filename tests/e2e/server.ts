@@ -5,8 +5,8 @@ import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 
-/** The benchmark, which also uses this module, runs in web/. */
-const REPOSITORY = typeof __dirname === "undefined" ? resolve(process.cwd(), "..") : resolve(__dirname, "../..");
+/** The folder of the repository. The benchmark, which also uses this module, runs in web/. */
+export const REPOSITORY = typeof __dirname === "undefined" ? resolve(process.cwd(), "..") : resolve(__dirname, "../..");
 export const STARTS_WITHIN_MS = 90_000;
 /** Generous, for a server whose tables are not the shipped ones and have to be computed. */
 const TABLES_WITHIN_MS = 20 * 60_000;

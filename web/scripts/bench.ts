@@ -2,7 +2,7 @@
  * Benchmark of the page in headless Chromium with software rendering; see README, "Benchmark".
  *
  *   npm run bench -- [--base URL | --data DIR] [--minutes 0.5] [--json build/bench-web.json]
- *   npm run bench -- --only worker        # one part: start, worker, 1000, 10000, memory
+ *   npm run bench -- --only worker        # one part: start, worker, 1000, 10000, rivals, memory
  *   npm run bench -- --soak-minutes 10    # only the heap, for this time
  *
  * Paths are relative to the repository. Without --base a server is started on the data folder.
@@ -17,6 +17,7 @@ import { freePort, serve, stop, untilReady } from "../../tests/e2e/server";
 import { measureFrames } from "./bench/frames";
 import { measureMemory } from "./bench/memory";
 import { type Figure, printTable } from "./bench/report";
+import { measureRivals } from "./bench/rivals";
 import { measureStart } from "./bench/start";
 import { measureWorker } from "./bench/worker";
 
@@ -48,6 +49,7 @@ async function measure(base: string): Promise<Figure[]> {
       ["worker", "worker", () => measureWorker(browser, base)],
       ["1000", "frames of 1,000 trees", () => measureFrames(browser, base, 1000, 1.25)],
       ["10000", "frames of 10,000 trees", () => measureFrames(browser, base, 10_000, 1.35)],
+      ["rivals", "the same trees by three.js alone", () => measureRivals(browser, 10_000)],
       ["memory", "memory", () => measureMemory(browser, base, Number(values.minutes))],
     ] as const;
     for (const [part, name, step] of steps) {

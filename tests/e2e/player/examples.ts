@@ -4,10 +4,10 @@ import { createServer, type IncomingMessage, request as ask, type ServerResponse
 import { connect } from "node:net";
 import { createRequire } from "node:module";
 import type { AddressInfo } from "node:net";
-import { extname, join, resolve } from "node:path";
+import { extname, join } from "node:path";
 import { pathToFileURL } from "node:url";
+import { REPOSITORY } from "../server";
 
-const REPOSITORY = resolve(__dirname, "../../..");
 export const EXAMPLES = join(REPOSITORY, "web/player/examples");
 const TREES = join(REPOSITORY, "assets/species/shipped");
 const LIGHT_TREES = join(REPOSITORY, "assets/species/light");

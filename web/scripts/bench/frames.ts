@@ -13,7 +13,7 @@ interface Cost {
   readonly processor_ms: number;
 }
 
-async function processor_ms(session: CDPSession): Promise<number> {
+export async function processor_ms(session: CDPSession): Promise<number> {
   const { processInfo } = await session.send("SystemInfo.getProcessInfo");
   return processInfo.reduce((sum, { cpuTime }) => sum + 1000 * cpuTime, 0);
 }

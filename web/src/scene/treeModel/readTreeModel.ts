@@ -20,7 +20,7 @@ import { limbKeysOf, pieceKeys } from "./limbKeys";
 import { meanColour } from "./meanColour";
 import type { OpenedTree } from "./openTree";
 import { dot, type Point, plus, unit } from "./points";
-import { rootFlare } from "./rootFlare";
+import { type FlareMesh, rootFlare } from "./rootFlare";
 
 /** The flare is drawn until a tree shows about this share of its pieces. */
 const FLARE_RANK = 0.3;
@@ -193,6 +193,19 @@ function crownNormals({ normals, card }: OfCards, crown: BufferAttribute): Float
   return mixed;
 }
 
+/** Normals of a flare, which become those of the stem towards its top, so that no edge is seen there. */
+function flareNormals({ positions, stemNormals, share, index }: FlareMesh): Float32Array {
+  const bent = new BufferGeometry();
+  bent.setAttribute("position", new BufferAttribute(positions, 3));
+  bent.setIndex(new BufferAttribute(index, 1));
+  bent.computeVertexNormals();
+  const own = bent.getAttribute("normal").array;
+  return Float32Array.from(own, (n, i) => {
+    const left = share[Math.floor(i / 3)];
+    return left * n + (1 - left) * stemNormals[i];
+  });
+}
+
 /** The flare at the foot of the stem; none for trees whose stem has no round base. */
 function flareOf(read: readonly ReadPart[]): AddedPart[] {
   const of = read.findIndex((one) => one.geometry.kind === "wood");
@@ -200,7 +213,8 @@ function flareOf(read: readonly ReadPart[]): AddedPart[] {
   const { part, geometry } = read[of];
   const uvs = (part.uv?.array as Float32Array | undefined) ?? null;
   const positions = part.position.array as Float32Array;
-  const flare = rootFlare({ positions, uvs, index: geometry.index });
+  const normals = part.normal.array as Float32Array;
+  const flare = rootFlare({ positions, normals, uvs, index: geometry.index });
   if (!flare) return [];
   const vertices = flare.hold.length;
   const piece = new Float32Array(4 * vertices);
@@ -209,15 +223,11 @@ function flareOf(read: readonly ReadPart[]): AddedPart[] {
     piece.set([part.piece.getX(v), part.piece.getY(v), 0, FLARE_RANK], 4 * k);
     anchor.set([0, 0, 0, COMMON_KEY], 4 * k);
   });
-  const bent = new BufferGeometry();
-  bent.setAttribute("position", new BufferAttribute(flare.positions, 3));
-  bent.setIndex(new BufferAttribute(flare.index, 1));
-  bent.computeVertexNormals();
   const ranked = rankedIndex(flare.index, () => FLARE_RANK);
   const added: TreePart = {
     ...part,
     vertices,
-    normal: bent.getAttribute("normal") as BufferAttribute,
+    normal: new BufferAttribute(flareNormals(flare), 3),
     uv: flare.uvs && new BufferAttribute(flare.uvs, 2),
     colour: evenColour(part.colour, vertices),
     position: new BufferAttribute(flare.positions, 3),

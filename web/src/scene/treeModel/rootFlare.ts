@@ -5,15 +5,20 @@
  */
 import { hashUnit } from "galewood/random";
 
-/** The wood of a tree: positions, texture coordinates (or none) and triangles; y points up. */
+/** The wood of a tree: positions, normals, texture coordinates (or none) and triangles; y points up. */
 export interface Wood {
   readonly positions: Float32Array;
+  readonly normals: Float32Array;
   readonly uvs: Float32Array | null;
   readonly index: ArrayLike<number>;
 }
 
 export interface FlareMesh {
   readonly positions: Float32Array;
+  /** Of the stem, at the places of the vertices. */
+  readonly stemNormals: Float32Array;
+  /** Of each vertex: 1 at the ground, 0 at the top, where the flare is the stem again. */
+  readonly share: Float32Array;
   readonly uvs: Float32Array | null;
   readonly index: Uint32Array;
   /** Of each vertex: the vertex of the stem that moves it. */
@@ -32,8 +37,8 @@ const FADE_HEIGHT = 0.75;
 const CUT_SHARES = [0.08, 0.2, 0.36, 0.58] as const;
 /** How far the flare reaches below the ground, m. */
 const SUNK_M = 0.3;
-/** Half thickness that it keeps outside of the stem, relative to the radius. */
-const CLEAR_SHARE = 0.012;
+/** Thickness that it keeps outside of the stem at the top, relative to the radius: too little to be seen. */
+const CLEAR_SHARE = 0.002;
 /** The stem is within so many radii of its axis. */
 const NEAR_SHARE = 1.8;
 /** Directions with a root, and how different they are. */
@@ -43,15 +48,18 @@ const HASH_SEED = 613;
 /** A corner while triangles are cut: a mixture of vertices of the stem. */
 interface Corner {
   readonly place: readonly [number, number, number];
+  readonly normal: readonly [number, number, number];
   readonly uv: readonly [number, number];
   readonly hold: number;
 }
 type Triangle = readonly [Corner, Corner, Corner];
 
 function mixed(a: Corner, b: Corner, share: number): Corner {
-  const at = (k: 0 | 1 | 2) => a.place[k] + share * (b.place[k] - a.place[k]);
+  const between = (from: Corner["place"], to: Corner["place"]) =>
+    [0, 1, 2].map((k) => from[k] + share * (to[k] - from[k])) as unknown as Corner["place"];
   return {
-    place: [at(0), at(1), at(2)],
+    place: between(a.place, b.place),
+    normal: between(a.normal, b.normal),
     uv: [a.uv[0] + share * (b.uv[0] - a.uv[0]), a.uv[1] + share * (b.uv[1] - a.uv[1])],
     hold: share < 0.5 ? a.hold : b.hold,
   };
@@ -84,8 +92,14 @@ export function flareFactor(angle_rad: number, rise: number): number {
     const toward = Math.max(0, Math.cos(angle_rad - heading));
     roots += (0.5 + hashUnit(HASH_SEED, root, 1)) * toward ** 8;
   }
-  const fade = Math.exp(-Math.max(0, rise) / FADE_HEIGHT);
+  const fade = Math.exp(-Math.max(0, rise) / FADE_HEIGHT) * shareAt(rise);
   return 1 + CLEAR_SHARE + FLARE_WIDTH * fade * (0.5 + 0.9 * roots);
+}
+
+/** 1 at the ground, 0 at the top of the flare, and level there. */
+function shareAt(rise: number): number {
+  const left = Math.min(1, Math.max(0, 1 - rise / FLARE_HEIGHT));
+  return left * left * (3 - 2 * left);
 }
 
 /** Radius of the stem at its base and the height of the next vertices above it; null if it has no round base. */
@@ -119,9 +133,10 @@ export function rootFlare(wood: Wood): FlareMesh | null {
 }
 
 /** The triangles around the axis that reach below a height. */
-function lowest({ positions, uvs, index }: Wood, top_m: number, within_m: number): Triangle[] {
+function lowest({ positions, normals, uvs, index }: Wood, top_m: number, within_m: number): Triangle[] {
   const corner = (v: number): Corner => ({
     place: [positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]],
+    normal: [normals[3 * v], normals[3 * v + 1], normals[3 * v + 2]],
     uv: uvs ? [uvs[2 * v], uvs[2 * v + 1]] : [0, 0],
     hold: v,
   });
@@ -138,14 +153,18 @@ function lowest({ positions, uvs, index }: Wood, top_m: number, within_m: number
 function joined(triangles: readonly Triangle[], { uvs }: Wood, low_m: number, radius_m: number): FlareMesh {
   const known = new Map<string, number>();
   const positions: number[] = [];
+  const stemNormals: number[] = [];
+  const shares: number[] = [];
   const textures: number[] = [];
   const hold: number[] = [];
-  const index = triangles.flat().map(({ place: [x, y, z], uv, hold: held }) => {
+  const index = triangles.flat().map(({ place: [x, y, z], normal, uv, hold: held }) => {
     const key = [x, y, z, ...uv].map((number) => Math.round(1e4 * number)).join(" ");
     const before = known.get(key);
     if (before !== undefined) return before;
     const factor = flareFactor(Math.atan2(z, x), (y - low_m) / radius_m);
     positions.push(factor * x, y < low_m + BASE_M ? y - SUNK_M : y, factor * z);
+    stemNormals.push(...normal);
+    shares.push(shareAt((y - low_m) / radius_m));
     textures.push(...uv);
     hold.push(held);
     known.set(key, hold.length - 1);
@@ -153,6 +172,8 @@ function joined(triangles: readonly Triangle[], { uvs }: Wood, low_m: number, ra
   });
   return {
     positions: Float32Array.from(positions),
+    stemNormals: Float32Array.from(stemNormals),
+    share: Float32Array.from(shares),
     uvs: uvs && Float32Array.from(textures),
     index: Uint32Array.from(index),
     hold: Uint32Array.from(hold),
