@@ -14,6 +14,8 @@ COPY web web
 COPY docs/images/storm.webp docs/images/storm.webp
 WORKDIR /app/web
 RUN npm run build && npm run build:player
+COPY tools/species /app/tools/species
+RUN npm run build --prefix /app/tools/species
 
 FROM python:3.11-slim-bookworm@sha256:a36c24f9cbdf4fd0f52d67f0823eeac19c2028c637cecc392d97f980d4fec56b AS wheel
 ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
@@ -25,6 +27,7 @@ COPY assets assets
 COPY precompute precompute
 COPY server server
 COPY --from=page /app/web/dist web/dist
+COPY --from=page /app/tools/species/dist tools/species/dist
 COPY --from=page /app/web/player/dist/notebook web/player/dist/notebook
 RUN pip wheel --no-deps --no-build-isolation --wheel-dir /wheel .
 

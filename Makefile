@@ -30,6 +30,7 @@ KERNEL_SOURCES := precompute/galewood/constants.py $(shell grep -rl numba precom
 WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/null) web/index.html web/vite.config.ts tsconfig.json \
 	web/player/package.json
 
+GROWER_SOURCES := $(shell find tools/species -type f -not -path '*/dist/*' 2>/dev/null) web/player/src/core/constants.ts
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
 .PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-python-versions test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
@@ -62,6 +63,9 @@ web/dist/index.html: node_modules/.stamp $(WEB_SOURCES)
 web/player/dist/core.js: node_modules/.stamp $(PLAYER_SOURCES)
 	@cd web && npm run --silent build:player
 
+tools/species/dist/grower.mjs: node_modules/.stamp $(GROWER_SOURCES)
+	@npm run --silent build --prefix tools/species
+
 # The longest step of a first build.
 build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
 	@echo "Compiling the numeric kernels (once)"
@@ -69,7 +73,7 @@ build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
 	$(STEP) kernels $(BIN)/galewood compile
 	@touch $@
 
-SITE := build/.kernels web/dist/index.html web/player/dist/core.js
+SITE := build/.kernels web/dist/index.html web/player/dist/core.js tools/species/dist/grower.mjs
 
 # ---- everyday --------------------------------------------------------------------------------------
 player: web/player/dist/core.js ## the npm package for other pages, in web/player/dist
@@ -80,11 +84,11 @@ trees: node_modules/.stamp ## the npm package of the built-in trees, in build/np
 develop: build player $(VENV)/.dev ## what tests and checks need as well
 
 build: $(VENV)/.base ## set everything up, compile the kernels and build the page
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line build/.kernels web/dist/index.html
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line build/.kernels web/dist/index.html tools/species/dist/grower.mjs
 
 wheel: build/wheel/.made ## one wheel with everything to install elsewhere, in build/wheel
 
-build/wheel/.made: $(VENV)/.base web/dist/index.html web/player/dist/core.js $(WHEEL_SOURCES)
+build/wheel/.made: $(VENV)/.base web/dist/index.html web/player/dist/core.js tools/species/dist/grower.mjs $(WHEEL_SOURCES)
 	@rm -rf build/wheel
 	@$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir build/wheel .
 	@touch $@
@@ -122,7 +126,7 @@ check: $(VENV)/.dev node_modules/.stamp docs ## linters, formatters and type che
 	$(STEP) citation $(BIN)/check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
 	$(STEP) hadolint $(BIN)/hadolint Dockerfile .devcontainer/Dockerfile
 
-test-python: $(VENV)/.dev build/.kernels web/dist/index.html ## the Python tests
+test-python: $(VENV)/.dev build/.kernels web/dist/index.html tools/species/dist/grower.mjs ## the Python tests
 	@# the tests of the browser take longest, so they come first
 	$(STEP) $@ nice $(PYTEST) $(IN_PARALLEL) -m "not long and not species"
 

@@ -1,7 +1,9 @@
-"""The build's one step beyond pyproject.toml: the page, the species and the notebook's front end, as data.
+"""The build's one step beyond pyproject.toml: the page, the species, their generator and the notebook's front
+end, as data.
 
-They stand in the repository once, as web/dist (built), assets/species and web/player/dist/notebook (built); a
-wheel gets copies below the packages, where galewood.packaged looks first. An editable installation gets none.
+They stand in the repository once, as web/dist (built), assets/species, tools/species/dist (built) and
+web/player/dist/notebook (built); a wheel gets copies below the packages, where galewood.packaged looks first.
+An editable installation gets none.
 """
 
 import shutil
@@ -17,6 +19,7 @@ HERE = Path(__file__).resolve().parent
 DATA = (
     ("galewood_server/data/page", "web/dist", "index.html"),
     ("galewood/data/species", "assets/species", "species.json"),
+    ("galewood/data/grower", "tools/species/dist", "grower.mjs"),
     ("galewood/data/notebook", "web/player/dist/notebook", "widget.js"),
 )
 

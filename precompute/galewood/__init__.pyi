@@ -6,7 +6,9 @@ from .check.stand import StandReport as StandReport
 from .check.sway import Calibration as Calibration
 from .check.sway import SwayAnalysis as SwayAnalysis
 from .check.sway import analyse_motion as analyse_motion
+from .growth import GrowthError as GrowthError
 from .io.api import Forest as Forest
+from .io.api import Individual as Individual
 from .io.api import Model as Model
 from .io.api import Motion as Motion
 from .io.api import MotionTable as MotionTable
@@ -21,6 +23,7 @@ from .io.api import evaluate as evaluate
 from .io.api import export_tree as export_tree
 from .io.api import field_report as field_report
 from .io.api import grid as grid
+from .io.api import grow as grow
 from .io.api import gust_strain as gust_strain
 from .io.api import load as load
 from .io.api import read as read
@@ -44,6 +47,7 @@ from .motion.wind import Wind as Wind
 from .motion.wind import WindError as WindError
 from .options import BuildRequest as BuildRequest
 from .options import ImportRequest as ImportRequest
+from .options import IndividualRequest as IndividualRequest
 from .options import TableRequest as TableRequest
 from .pipeline.stages import Progress as Progress
 from .solid.fem import FemSettings as FemSettings

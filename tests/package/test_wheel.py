@@ -258,6 +258,7 @@ def test_the_wheel_holds_everything_once(wheel: Path) -> None:
         for name, folder in (
             ("galewood_server/data/page", REPOSITORY / "web/dist"),
             ("galewood/data/species", REPOSITORY / "assets/species"),
+            ("galewood/data/grower", REPOSITORY / "tools/species/dist"),
             ("galewood/data/notebook", REPOSITORY / "web/player/dist/notebook"),
         )
         for path in folder.rglob("*")

@@ -1,4 +1,4 @@
-import { type Accessor, Document, type Material, NodeIO } from "@gltf-transform/core";
+import { type Accessor, Document, type Material, WebIO } from "@gltf-transform/core";
 import type { SurfaceMesh } from "./growth/surface";
 
 /** Encoded textures of a species. */
@@ -30,12 +30,12 @@ export async function writeGlb(
   scene.addChild(meshNode(document, "twigs", twigs, twigMaterial(document, twigColour)));
   scene.addChild(meshNode(document, "leaves", leaves, leafMaterial(document, pictures)));
   document.getRoot().setDefaultScene(scene);
-  return new NodeIO().writeBinary(document);
+  return new WebIO().writeBinary(document);
 }
 
 /** Reads a file written by `writeGlb`. */
 export function readGlb(glb: Uint8Array): Promise<Document> {
-  return new NodeIO().readBinary(glb);
+  return new WebIO().readBinary(glb);
 }
 
 function barkMaterial(document: Document, pictures: SpeciesPictures): Material {

@@ -9,6 +9,7 @@ from galewood.options.evaluation import (
     EvaluationOptions,
     EvaluationSeed,
 )
+from galewood.options.individual import IndividualRequest
 from galewood.options.method import METHOD_HELP, METHOD_NAMES, Method
 from galewood.options.request import (
     AFTER_BEAMS,
@@ -43,6 +44,7 @@ __all__ = [
     "EvaluationOptions",
     "EvaluationSeed",
     "ImportRequest",
+    "IndividualRequest",
     "Method",
     "TableRequest",
     "list_fields",

@@ -30,6 +30,8 @@ export interface Twigs {
   side_angle_deg: number;
   /** Length of the lowest side shoot relative to the shoot. */
   side_length: number;
+  /** Height below which no twig hangs, m; without it they hang where they grow. */
+  lowest_m?: number;
   /** Zigzag of the shoot at its nodes, relative to their distance. */
   zigzag: number;
   /** Linear RGB of the bark. */
@@ -76,6 +78,8 @@ function addTwig(grown: GrownTwigs, site: Site, start: Vector3, twigs: Twigs, ra
   const length = sample(twigs.length_m, site.along) * Math.max(0.4, random.around(1, twigs.scatter));
   const radius = Math.min(twigs.radius_m, MOST_OF_LIMB * site.radius_m);
   const joints = shoot(site.position, start, length, twigs, random);
+  const side_m = twigs.side_length * length;
+  if (joints.some(({ y }) => y - side_m < (twigs.lowest_m ?? -Infinity))) return;
   const rings = joints.slice(0, -1).map((joint, i) => {
     const thinner = 1 - ((1 - LAST_RADIUS) * i) / (joints.length - 2);
     return addRing(grown.mesh, joint, joints[i + 1].clone().sub(joint).normalize(), radius * thinner);

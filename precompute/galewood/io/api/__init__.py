@@ -7,15 +7,16 @@ from galewood.io.api.evaluation import evaluate
 from galewood.io.api.exports import body_winds, export_tree
 from galewood.io.api.field_reports import field_report
 from galewood.io.api.forests import Forest, Placements, PointMotion, grid
+from galewood.io.api.individuals import Individual, grow
 from galewood.io.api.measured_motion import calibrate, simulated_motion
 from galewood.io.api.models import Model, Motion
-from galewood.io.api.stands import stand_risk
+from galewood.io.api.risk import critical_wind, gust_strain, stand_risk, strain
 from galewood.io.api.tables import MotionTable, build, load, save
 from galewood.io.api.trees import Tree, read
-from galewood.io.api.wind_risk import critical_wind, gust_strain, strain
 
 __all__ = [
     "Forest",
+    "Individual",
     "Model",
     "Motion",
     "MotionTable",
@@ -30,6 +31,7 @@ __all__ = [
     "export_tree",
     "field_report",
     "grid",
+    "grow",
     "gust_strain",
     "load",
     "read",

@@ -14,6 +14,7 @@ from galewood.io.cli.envelope_command import register as register_envelope
 from galewood.io.cli.evaluate_command import register as register_evaluate
 from galewood.io.cli.export_command import register as register_export
 from galewood.io.cli.field_commands import register as register_field
+from galewood.io.cli.grow_command import register as register_grow
 from galewood.io.cli.motion_command import register as register_motion
 from galewood.io.cli.request_options import validated, with_options_of
 from galewood.io.cli.risk.risk_commands import register as register_risk
@@ -47,6 +48,7 @@ register_strain(app)
 register_risk(app)
 register_envelope(app)
 register_convert(app)
+register_grow(app)
 
 
 @app.command()
