@@ -27,6 +27,7 @@ from .io.api import grow as grow
 from .io.api import gust_strain as gust_strain
 from .io.api import load as load
 from .io.api import read as read
+from .io.api import regrow as regrow
 from .io.api import save as save
 from .io.api import simulated_motion as simulated_motion
 from .io.api import stand_risk as stand_risk

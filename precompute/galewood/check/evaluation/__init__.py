@@ -14,7 +14,7 @@ from galewood.check.evaluation.reference_runs import ReferenceTask, read_referen
 from galewood.check.evaluation.report import run_evaluation, sentences
 from galewood.check.evaluation.source import Source, recorded_runs, samples_of, source_of
 from galewood.check.evaluation.tracks import Comparison, Errors, comparison_tracks, nodes_on_wood
-from galewood.check.evaluation.winds import directed_pressure
+from galewood.check.evaluation.winds import directed_pressure, unseen_winds
 
 __all__ = [
     "FRAMES_SHOWN",
@@ -43,4 +43,5 @@ __all__ = [
     "samples_of",
     "sentences",
     "source_of",
+    "unseen_winds",
 ]

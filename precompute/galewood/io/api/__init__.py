@@ -7,7 +7,7 @@ from galewood.io.api.evaluation import evaluate
 from galewood.io.api.exports import body_winds, export_tree
 from galewood.io.api.field_reports import field_report
 from galewood.io.api.forests import Forest, Placements, PointMotion, grid
-from galewood.io.api.individuals import Individual, grow
+from galewood.io.api.individuals import Individual, grow, regrow
 from galewood.io.api.measured_motion import calibrate, simulated_motion
 from galewood.io.api.models import Model, Motion
 from galewood.io.api.risk import critical_wind, gust_strain, stand_risk, strain
@@ -35,6 +35,7 @@ __all__ = [
     "gust_strain",
     "load",
     "read",
+    "regrow",
     "save",
     "simulated_motion",
     "stand_risk",

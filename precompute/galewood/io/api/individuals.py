@@ -1,20 +1,29 @@
-"""Individuals of the built-in species, grown from a seed."""
+"""Individuals of the built-in species, grown from a seed, and their motion from that of the species."""
 # pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
-from galewood.growth import GrownSkeleton, grow_files, read_skeleton
+from galewood.growth import GrownSkeleton, GrowthError, grow_files, read_skeleton
 from galewood.io.api.keywords import with_keywords_of
+from galewood.io.api.tables import MotionTable
 from galewood.io.api.trees import Tree
 from galewood.options import ImportRequest, IndividualRequest
+from galewood.pipeline.individuals import SpeciesMotion, individual_table, motion_of_document, shipped_motion
+from galewood.pipeline.tables import BuildOptions
+from galewood.table import encode
+from galewood.threads import single_threaded
 from galewood.tree import read_tree, render_glb
 from galewood.util import write_atomically
+
+DOCUMENT_FORMAT, DOCUMENT_VERSION = "galewood-individual", 1
 
 
 class GrowCall(IndividualRequest):
@@ -29,6 +38,8 @@ class Individual:
 
     species: str
     request: IndividualRequest
+    motion: SpeciesMotion = field(repr=False)
+    """What its motion takes over from the fitted table of its species."""
     glb: bytes = field(repr=False)
     """Its mesh with pictures, as a binary glTF."""
     skeleton: GrownSkeleton = field(repr=False)
@@ -46,6 +57,28 @@ class Individual:
         options = ImportRequest(species=self.species, height_m=self.request.height_m)
         mesh = read_tree(self.glb, f"{self.name}.glb", options)
         return Tree(mesh, render_glb(mesh), self.name)
+
+    @single_threaded
+    def table(self) -> MotionTable:
+        """Its motion in leaf, within seconds: its own beams, and the nonlinear force of its species.
+
+        ``galewood.build(individual.tree)`` takes a minute and simulates it instead.
+        """
+        options = BuildOptions(species=self.species, height_m=self.request.height_m, stiffness="as drawn")
+        table = individual_table(self.tree.mesh, self.motion, options, self.tree.render_glb)
+        report = {"individual": json.loads(self.document()), "drawn": table.metadata.get("drawn", {})}
+        return MotionTable(encode(table), self.tree.render_glb, report, name=self.name)
+
+    def document(self) -> bytes:
+        """All that is needed to grow it again, with the same table, as JSON of about a kilobyte."""
+        values: dict[str, Any] = {
+            "format": DOCUMENT_FORMAT,
+            "version": DOCUMENT_VERSION,
+            "species": self.species,
+            **self.request.model_dump(),
+            "motion": asdict(self.motion),
+        }
+        return (json.dumps(values, separators=(",", ":")) + "\n").encode()
 
     def save(self, path: str | Path) -> None:
         """Write the mesh. OSError."""
@@ -71,4 +104,23 @@ def grow(species: str, options: GrowCall) -> Individual:
     """
     request = IndividualRequest.model_validate(options.model_dump(exclude={"wanted"}))
     files = grow_files(species, request, wanted=options.wanted or (lambda: True))
-    return Individual(species, request, files.glb, read_skeleton(files.skeleton))
+    motion = shipped_motion(species, request.form)
+    return Individual(species, request, motion, files.glb, read_skeleton(files.skeleton))
+
+
+def regrow(document: bytes | str) -> Individual:
+    """Grow an individual again, from its ``document()``: the same mesh and the same table.
+
+    Raises:
+        GrowthError: The document is not that of an individual; or as ``grow``.
+    """
+    try:
+        values = json.loads(document)
+        if (values.pop("format"), values.pop("version")) != (DOCUMENT_FORMAT, DOCUMENT_VERSION):
+            raise ValueError("another format or version")
+        species, motion = str(values.pop("species")), motion_of_document(values.pop("motion"))
+        request = IndividualRequest.model_validate(values)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise GrowthError(f"Not the document of an individual: {error}") from None
+    files = grow_files(species, request)
+    return Individual(species, request, motion, files.glb, read_skeleton(files.skeleton))

@@ -167,11 +167,12 @@ def ship(
 ) -> None:
     """Build the tables that are distributed with the built-in trees, where they are out of date.
 
-    Then write light copies of their meshes, if any has none, and the bending of the trees (for stands), if it
-    is out of date.
+    Then write light copies of their meshes, if any has none, and the bending of the trees (for stands) and
+    their motion without dimensions (for individuals), if they are out of date.
     """
     from galewood.check.stand import ship_forms
     from galewood.io.cli.builtin_form import builtin_form
+    from galewood.pipeline.individuals import ship_motions
     from galewood.pipeline.results import LIGHT_FOLDER, SHIPPED_FOLDER
     from galewood.pipeline.stages import builtin_meshes, outdated, ship_light
 
@@ -191,6 +192,10 @@ def ship(
         bent = ship_forms(species_dir, builtin_form)
     if bent:
         console.print(f"bending of the trees: written to {species_dir / SHIPPED_FOLDER}")
+    with console.status("Comparing the trees with beams"):
+        moved = ship_motions(species_dir)
+    if moved:
+        console.print(f"motion without dimensions: written to {species_dir / SHIPPED_FOLDER}")
 
 
 def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:

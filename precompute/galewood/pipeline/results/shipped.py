@@ -5,7 +5,7 @@ hashes of the files), ``name.table``, ``name.bare.table`` (of the tree without i
 ``name.records.gz`` (of ``name.table``), ``name.compliance.gz`` (for pulling the tree; it may be missing),
 ``name.glb`` (the render mesh), ``name.tets.npz`` (the tetrahedra, because the mesher is not repeatable) and
 pictures, ``name.*.png``; and for all trees together ``forms.json``, their bending in wind
-(`galewood.check.stand`).
+(`galewood.check.stand`), and ``motions.json``, what individuals take over (`galewood.pipeline.individuals`).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ SHIPPED_SUFFIXES = {
     "render_glb": ".glb",
 }
 """File of a result -> how its name ends, after that of the tree."""
-FORMS_FILE = "forms.json"
+FORMS_FILE, MOTIONS_FILE = "forms.json", "motions.json"
 TETS_SUFFIX, PACKED_SUFFIX = ".tets.npz", ".gz"
 
 
@@ -49,6 +49,11 @@ def shipped_tables(species_dir: Path) -> dict[str, Path]:
 def forms_path(species_dir: Path) -> Path:
     """Where the bending of the trees of a folder is."""
     return species_dir / SHIPPED_FOLDER / FORMS_FILE
+
+
+def motions_path(species_dir: Path) -> Path:
+    """Where the motion of the trees of a folder without dimensions is."""
+    return species_dir / SHIPPED_FOLDER / MOTIONS_FILE
 
 
 @dataclass(frozen=True)

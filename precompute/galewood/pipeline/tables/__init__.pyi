@@ -1,9 +1,12 @@
 from .assemble import DefaultPart as DefaultPart
+from .assemble import ModalMotion as ModalMotion
 from .assemble import TableContext as TableContext
 from .assemble import assemble_default as assemble_default
 from .assemble import assemble_records as assemble_records
 from .assemble import assemble_table as assemble_table
+from .assemble import assemble_transferred as assemble_transferred
 from .assemble import internal_states as internal_states
+from .assemble import strong_poses as strong_poses
 from .compliance import compliance_file as compliance_file
 from .drawn import encoded_unless_torn as encoded_unless_torn
 from .expected import expected_motion as expected_motion
@@ -13,6 +16,7 @@ from .from_beams import beam_table as beam_table
 from .options import EXPECTED_MOTION as EXPECTED_MOTION
 from .options import BuildOptions as BuildOptions
 from .options import TableSettings as TableSettings
+from .report import Body as Body
 from .report import body_of as body_of
 from .report import build_report as build_report
 from .report import describe as describe
@@ -23,4 +27,5 @@ from .summary import import_lines as import_lines
 from .summary import tree_lines as tree_lines
 from .surface import RenderMesh as RenderMesh
 from .surface import render_mesh as render_mesh
+from .surface import smoothed_mesh as smoothed_mesh
 from .table_stage import TableStage as TableStage

@@ -84,6 +84,18 @@ def assemble_linear(
     return _drawn_table(motion, {}, of, QUICK_SMOOTHING)
 
 
+def assemble_transferred(motion: ModalMotion, of: TableContext) -> Table:
+    """The table of a model that no run was simulated for, with a nonlinear force and pose from elsewhere.
+
+    Its mesh is bound already; what is drawn is checked in the poses of the largest motion.
+    """
+    table = _table(motion, {}, of)
+    if of.mesh.distortion is not None:
+        poses = strong_poses(np.concatenate(motion.q))
+        table.metadata["drawn"] = of.mesh.distortion.in_poses(table, poses[:CHECKED_STRONG], gaps=False)
+    return table
+
+
 def assemble_default(training: ModalTraining, of: TableContext) -> DefaultPart:
     """The table of the default method, fitted to the training runs."""
     model = fitted(training, of.mass_kg)
@@ -178,7 +190,7 @@ def _table(motion: ModalMotion, errors: Metadata, of: TableContext) -> Table:
     """The table of a modal model."""
     modal, basis, every = motion.modal, motion.subspace.basis, np.concatenate(motion.q)
     most_pa = max(motion.strongest_pa, float(modal.limits[2]))
-    skin = _skin(basis, np.sqrt(np.mean(every**2, axis=0)), _strong(every), of)
+    skin = _skin(basis, np.sqrt(np.mean(every**2, axis=0)), strong_poses(every), of)
     metadata: Metadata = {
         "format": TABLE_FORMAT,
         "version": TABLE_VERSION,
@@ -203,11 +215,13 @@ def _table(motion: ModalMotion, errors: Metadata, of: TableContext) -> Table:
     )  # fmt: skip
 
 
+CHECKED_STRONG = 8
+"""Number of them in which the table of an individual is checked."""
 STRONG_POSES = 24
 """Poses of the training runs in which the motion of the branches must follow from that of the nodes."""
 
 
-def _strong(q: Floats) -> Floats:
+def strong_poses(q: Floats) -> Floats:
     """(k, r) poses of the largest motion in q (f, r)."""
     far = np.argsort(-np.linalg.norm(q, axis=1), kind="stable")[: max(1, len(q) // 8)]
     return q[far[:: max(1, len(far) // STRONG_POSES)]]

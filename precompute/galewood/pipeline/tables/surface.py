@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.solid.skinning import Axis, Bindings, Distortion, Effort, smoothed_bindings, vertex_bindings
+from galewood.solid.skinning import (
+    QUICK_SMOOTHING,
+    Axis,
+    Bindings,
+    Distortion,
+    Effort,
+    smoothed_bindings,
+    vertex_bindings,
+)
 from galewood.tree import TreeMesh
 from galewood.util import Floats
 
@@ -30,8 +38,20 @@ class RenderMesh:
         return replace(self, bindings=smoothed_bindings(tree, self.axis, basis, q, effort))
 
 
+def smoothed_mesh(
+    tree: TreeMesh, embedding: scipy.sparse.csr_matrix, axis: Axis, basis: Floats, q: Floats
+) -> RenderMesh:
+    """The same with quickly smoothed weights for far poses q (k, r) of the modes ``basis`` (N, 3, r)."""
+    bindings = smoothed_bindings(tree, axis, basis, q, QUICK_SMOOTHING)
+    return _mesh(tree, embedding, axis, bindings)
+
+
 def render_mesh(tree: TreeMesh, embedding: scipy.sparse.csr_matrix, axis: Axis) -> RenderMesh:
     """Render vertices of all primitives in the order of the GLB, embedded and bound to the ``axis``."""
+    return _mesh(tree, embedding, axis, vertex_bindings(tree, axis))
+
+
+def _mesh(tree: TreeMesh, embedding: scipy.sparse.csr_matrix, axis: Axis, bindings: Bindings) -> RenderMesh:
     primitives = [{"name": p.name, "kind": p.kind, "vertices": len(p.positions_m)} for p in tree.primitives]
     places = np.concatenate([p.positions_m for p in tree.primitives])
-    return RenderMesh(places, embedding, primitives, axis, vertex_bindings(tree, axis), Distortion(tree))
+    return RenderMesh(places, embedding, primitives, axis, bindings, Distortion(tree))

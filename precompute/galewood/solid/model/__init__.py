@@ -1,7 +1,7 @@
 """Construction of the finite-element model; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
 
 from galewood.solid.model.added_wood import in_added_wood
-from galewood.solid.model.beam_tree import BeamModel, beam_model, loaded_beams
+from galewood.solid.model.beam_tree import ARM_SHARE, BeamModel, beam_model, loaded_beams
 from galewood.solid.model.comparison import gusty_pressure, trajectory_difference
 from galewood.solid.model.construction import GRAVITY_M_S2, build_model, unloaded_model
 from galewood.solid.model.effective_mass import (
@@ -16,6 +16,7 @@ from galewood.solid.model.reference import compare_with_reference, reference_mod
 from galewood.solid.model.typical_frequency import typical_frequency_hz
 
 __all__ = [
+    "ARM_SHARE",
     "GRAVITY_M_S2",
     "BeamModel",
     "LumpedMasses",

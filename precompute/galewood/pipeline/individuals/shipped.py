@@ -1,0 +1,82 @@
+"""The motion of the built-in trees without dimensions, in one file beside their tables."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from galewood.options import ImportRequest
+from galewood.packaged import species_folder
+from galewood.pipeline.individuals.species_motion import SpeciesMotion, species_motion
+from galewood.pipeline.results import motions_path, shipped_tables
+from galewood.pipeline.stages import BuiltinMesh, builtin_meshes
+from galewood.solid.model import beam_model
+from galewood.table import decode
+from galewood.threads import single_threaded
+from galewood.tree import read_tree
+from galewood.util import write_atomically
+from galewood.wood import wood_of_species
+
+MOTIONS_VERSION = 1
+"""Changes with the meaning of what is written."""
+DIGIT_COUNT = 6
+
+
+def shipped_motion(species: str, form: str, folder: Path | None = None) -> SpeciesMotion:
+    """The motion of a built-in species grown in this form. KeyError for others; OSError."""
+    folder = folder or species_folder()
+    entries = json.loads((folder / "species.json").read_bytes())
+    name = {(one["species"], one["form"]): one["id"] for one in entries}[species, form]
+    return motion_of_document(json.loads(motions_path(folder).read_bytes())["motions"][name])
+
+
+def motion_of_document(document: dict[str, Any]) -> SpeciesMotion:
+    """The motion that a JSON object holds. Raises ValueError for another object."""
+    try:
+        return SpeciesMotion(
+            tuple(float(one) for one in document["stiffness"]),
+            float(document["sway"]),
+            float(document["speed"]),
+            float(document["pressure"]),
+            tuple(float(one) for one in document["force"]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"not the motion of a species: {error}") from None
+
+
+def ship_motions(folder: Path) -> bool:
+    """Write the motions of the built-in trees of a folder, unless they are up to date; whether it did."""
+    meshes, path = builtin_meshes(folder), motions_path(folder)
+    tables = {name: table.read_bytes() for name, table in shipped_tables(folder).items()}
+    hashes = [(name, hashlib.sha256(table).hexdigest()) for name, table in sorted(tables.items())]
+    key = hashlib.sha256(json.dumps([MOTIONS_VERSION, hashes]).encode()).hexdigest()
+    if path.is_file() and json.loads(path.read_bytes())["key"] == key:
+        return False
+    motions = {mesh.name: asdict(_rounded(builtin_motion(mesh, tables[mesh.name]))) for mesh in meshes}
+    text = json.dumps({"key": key, "motions": motions}, separators=(",", ":")) + "\n"
+    write_atomically(path, text.encode())
+    return True
+
+
+@single_threaded
+def builtin_motion(mesh: BuiltinMesh, table: bytes) -> SpeciesMotion:
+    """The motion of a built-in tree, from its mesh and its table in leaf."""
+    options = ImportRequest(species=str(mesh.options["species"]), height_m=float(mesh.options["height_m"]))
+    tree = read_tree(mesh.path.read_bytes(), mesh.path.name, options)
+    return species_motion(decode(table), beam_model(tree, wood_of_species(tree.species or "default")))
+
+
+def _rounded(motion: SpeciesMotion) -> SpeciesMotion:
+    def short(value: float) -> float:
+        return float(f"{value:.{DIGIT_COUNT}g}")
+
+    return SpeciesMotion(
+        tuple(map(short, motion.stiffness)),
+        short(motion.sway),
+        short(motion.speed),
+        short(motion.pressure),
+        tuple(map(short, motion.force)),
+    )
