@@ -8,7 +8,7 @@ import { type Figure, median } from "./report";
 const WAYS = ["package", "still", "morphed"] as const;
 type Way = (typeof WAYS)[number];
 const ROUND_COUNT = 5;
-const BLOCK_FRAMES = 4;
+const BLOCK_FRAMES = 2;
 
 interface Drawing {
   prepare(trees: number): Promise<{ trees: number; triangles: number }>;
