@@ -72,7 +72,7 @@ def test_a_built_in_tree_as_an_individual_moves_like_its_fitted_table() -> None:
     assert ours_m[far, 1] == pytest.approx(theirs_m[far, 1], abs=0.25 * abs(theirs_m[far, 1]))
 
 
-def test_an_individual_is_grown_again_from_a_kilobyte() -> None:
+def test_an_individual_is_grown_again_from_its_document() -> None:
     individual = galewood.grow("beech", seed=3, height_m=20, dbh_cm=24, form="forest")
     document = individual.document()
     assert len(document) < MOST_DOCUMENT_BYTES

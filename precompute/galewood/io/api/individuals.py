@@ -70,7 +70,7 @@ class Individual:
         return MotionTable(encode(table), self.tree.render_glb, report, name=self.name)
 
     def document(self) -> bytes:
-        """All that is needed to grow it again, with the same table, as JSON of about a kilobyte."""
+        """All that is needed to grow it again, with the same table, as JSON of some hundred bytes."""
         values: dict[str, Any] = {
             "format": DOCUMENT_FORMAT,
             "version": DOCUMENT_VERSION,

@@ -33,7 +33,9 @@ def grow(
     table: TableOut = None,
     document: Annotated[
         Path | None,
-        typer.Option(dir_okay=False, help="A kilobyte from which `galewood regrow` makes both again (JSON)."),
+        typer.Option(
+            dir_okay=False, help="Some hundred bytes (JSON) from which `galewood regrow` makes both again."
+        ),
     ] = None,
     **chosen: Any,
 ) -> None:

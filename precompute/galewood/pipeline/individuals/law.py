@@ -96,7 +96,7 @@ def law_of_table(table: Table) -> Law:
 def isotropic_part(law: Law, states: SwayStates) -> Floats:
     """(7,) coefficients of the isotropic law that is nearest to a law over these states."""
     basis = isotropic(states).reshape(7, -1)
-    return np.linalg.lstsq(basis.T, law(states).ravel(), rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(basis.T, law(states).ravel(), rcond=None)[0], np.float64)
 
 
 def force_of_law(law: Law, own: Sway, limits: Floats, states: SwayStates) -> Floats:

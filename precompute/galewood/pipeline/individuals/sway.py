@@ -31,7 +31,7 @@ class Sway:
     @property
     def spread(self) -> Floats:
         """(d, 2) the oscillators' least motion that has these sway coordinates."""
-        return np.linalg.pinv(self.rows)
+        return np.asarray(np.linalg.pinv(self.rows), np.float64)
 
 
 def _sway(rows: Floats, omega: Floats, load: Floats) -> Sway:

@@ -106,7 +106,7 @@ def test_the_stiffness_of_each_mode_is_found_from_its_frequency() -> None:
     factors = of_all_modes(np.array([0.8, 0.9, 1.3, 1.1]), len(beams.weightless_hz))
     np.testing.assert_allclose(factors[4:], np.sqrt(1.3 * 1.1))
     np.testing.assert_allclose(
-        stiffness_factors(beams, loaded_hz(beams, factors)[:12]), factors[:12], rtol=1e-9
+        stiffness_factors(beams, loaded_hz(beams, factors)[:12].tolist()), factors[:12], rtol=1e-9
     )
 
 
