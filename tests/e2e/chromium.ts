@@ -12,7 +12,17 @@ const QUIET = [
   "--disable-sync",
 ];
 
+/** WebGPU on the processor. Pictures need Vulkan for the page as well: without it the device is lost with the first one. */
+const SOFTWARE_WEBGPU = [
+  "--enable-unsafe-webgpu",
+  "--use-webgpu-adapter=swiftshader",
+  "--enable-features=Vulkan",
+  "--use-vulkan=swiftshader",
+];
+
 export const LAUNCH = {
   ...(existsSync(CHROMIUM) && { executablePath: CHROMIUM }),
   args: [...SOFTWARE_GRAPHICS, ...QUIET],
 };
+
+export const WEBGPU_LAUNCH = { ...LAUNCH, args: [...LAUNCH.args, ...SOFTWARE_WEBGPU] };

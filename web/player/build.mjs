@@ -70,6 +70,8 @@ await write(
     ],
   },
 );
+// A page has one renderer: what both have in common is in both files.
+await write({ webgpu: "webgpu" });
 // Streams have their own files, so that nobody else loads what they need.
 await write({ stream: "stream" });
 await write({ "galewood.stream.worker": "streamWorker" });

@@ -14,10 +14,11 @@ import { tampered } from "../tableFile";
 const PLAYER = fileURLToPath(new URL("../../../web/player/", import.meta.url));
 const DIST = `${PLAYER}dist/`;
 const PAGE = `${PLAYER}../src/`;
-/** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides. */
+/** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides; the forest for WebGPURenderer. */
 const MOST_BYTES = 43_000;
 const MOST_ELEMENT_BYTES = 2_200;
 const MOST_STREAM_BYTES = 40_000;
+const MOST_WEBGPU_BYTES = 20_000;
 const STREAM = ["stream.js", "galewood.stream.worker.js"];
 
 /** Newest change of the sources that the package is built from. */
@@ -93,6 +94,7 @@ describe("the built package", () => {
     expect(closureOf(["element.js"]).filter((name) => !playing.includes(name))).toEqual(["element.js"]);
     expect(bytes(["element.js"])).toBeLessThanOrEqual(MOST_ELEMENT_BYTES);
     expect(bytes(STREAM)).toBeLessThanOrEqual(MOST_STREAM_BYTES);
+    expect(bytes(["webgpu.js"])).toBeLessThanOrEqual(MOST_WEBGPU_BYTES);
     for (const page of ["../../README.md", "README.md"]) {
       const stated = /([\d.]+) kB with worker and kernel|with worker and kernel, ([\d.]+) kB/.exec(
         readFileSync(PLAYER + page, "utf8"),
@@ -102,7 +104,7 @@ describe("the built package", () => {
   });
 
   test("needs nothing but its own files, and three.js only to draw", () => {
-    const drawing = ["three.js", "element.js", "trees.js", "inventory.js"];
+    const drawing = ["three.js", "webgpu.js", "element.js", "trees.js", "inventory.js"];
     for (const name of scripts()) {
       for (const at of importsOf(name)) {
         if (/^three(\/|$)/.test(at)) expect(drawing, `${name} imports ${at}`).toContain(name);
@@ -110,6 +112,12 @@ describe("the built package", () => {
       }
     }
     expect(closureOf(["inventory.js", "wind.js", "client.js"])).not.toContain("trees.js");
+    // Who has one renderer loads no other one's code.
+    for (const name of scripts()) {
+      const needs = importsOf(name).some((at) => /^three\/(webgpu|tsl)$/.test(at));
+      expect(needs, name).toBe(name === "webgpu.js");
+    }
+    expect(readFileSync(`${DIST}webgpu.js`, "utf8")).not.toContain("texelFetch");
   });
 
   test("holds every entry point of the manifest, with its types, and no sources", () => {
@@ -139,7 +147,7 @@ describe("the built package", () => {
   });
 
   test("has source maps, which lead from what is said in a browser to the line of the source", () => {
-    const said = { "core/motion/steppedTrees.ts": "seconds from 0 on", "three/forest.ts": "use the GLB that belongs" };
+    const said = { "core/motion/steppedTrees.ts": "seconds from 0 on", "three/baseForest.ts": "use the GLB that belongs" };
     for (const [source, words] of Object.entries(said)) {
       const name = scripts().find((one) => readFileSync(DIST + one, "utf8").includes(words)) ?? "";
       const before = readFileSync(DIST + name, "utf8").split(words)[0].split("\n");
@@ -171,12 +179,15 @@ describe("the built package", () => {
   });
 
   test("workers are found by the expression that bundlers look for", () => {
-    for (const file of ["galewood\\.worker", "galewood\\.stream\\.worker"]) {
+    for (const [file, starters] of [
+      ["galewood\\.worker", ["three.js", "webgpu.js"]],
+      ["galewood\\.stream\\.worker", ["stream.js"]],
+    ] as const) {
       const quote = "[`\"']";
       const expression = new RegExp(
         `new Worker\\(new URL\\(${quote}\\./${file}\\.js${quote},\\s*import\\.meta\\.url\\),\\s*\\{\\s*type:\\s*${quote}module`,
       );
-      expect(scripts().filter((name) => expression.test(readFileSync(DIST + name, "utf8")))).toHaveLength(1);
+      expect(scripts().filter((name) => expression.test(readFileSync(DIST + name, "utf8")))).toEqual(starters);
     }
   });
 });

@@ -31,6 +31,7 @@ export {
   type TreeModel,
   type TreePart,
 } from "./trees/mesh/treeMesh";
+export { GLSL_GRAPHICS } from "./trees/nodes/glslNodes";
 export { NODE_TEXEL } from "./trees/nodes/nodeTexel";
 export type { MaterialMaker, PartMaterials } from "./trees/partMaterials";
 export { PULL_PARS } from "./trees/pull/pullShader";

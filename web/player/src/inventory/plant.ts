@@ -1,5 +1,5 @@
-/** Plants an inventory in a forest of galewood/three. */
-import type { Forest, TreeFiles } from "../three/forest";
+/** Plants an inventory in a forest of galewood/three or galewood/webgpu. */
+import type { BaseForest, TreeFiles } from "../three/baseForest";
 import type { Planted } from "../three/planted";
 import type { Inventory } from "./document";
 import { placesOf } from "./places";
@@ -15,7 +15,7 @@ const level: Ground = () => 0;
  * kinds without stems are left out.
  */
 export async function plantInventory<Name extends string>(
-  forest: Pick<Forest, "plant" | "move">,
+  forest: Pick<BaseForest, "plant" | "move">,
   inventory: Pick<Inventory, "stems">,
   trees: Readonly<Record<Name, TreeFiles>>,
   ground: Ground = level,

@@ -1,6 +1,6 @@
 /** Trees as a Galewood service lists them. */
 import { fileBytes } from "../core/net/fileBytes";
-import type { TreeFiles } from "./forest";
+import type { TreeFiles } from "./baseForest";
 
 /** A tree of a service that moves. */
 export interface ServedTree extends TreeFiles {

@@ -14,7 +14,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Forest } from "./forest";
+import type { BaseForest } from "./baseForest";
 
 const SPACING_M = 5;
 /** Turns each tree on by the golden angle, which also spreads them evenly. */
@@ -51,7 +51,7 @@ export class Stage {
 
   constructor(
     private readonly host: HTMLElement,
-    private readonly forest: Forest,
+    private readonly forest: BaseForest,
     trees: number,
   ) {
     this.radius_m = SPACING_M * Math.sqrt(trees);

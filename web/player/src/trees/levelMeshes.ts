@@ -15,6 +15,7 @@ import { MOST_SHARE } from "./detail";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS, roomFor } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
+import type { TreeGraphics } from "./nodes/nodeGraphics";
 import type { PartMaterials } from "./partMaterials";
 
 /** A part at this level: triangles sorted by rank, and the joint of each vertex. */
@@ -44,7 +45,7 @@ export interface LevelTexels {
   readonly nodes: number;
 }
 
-function geometryOf({ part, joint, pivot }: LevelPart, level: number, instances: InstancedInterleavedBuffer) {
+function geometryOf({ part, joint, pivot }: LevelPart, level: number) {
   const geometry = new InstancedBufferGeometry();
   geometry.setIndex(part.index);
   geometry.setDrawRange(0, part.counts[level]);
@@ -56,7 +57,6 @@ function geometryOf({ part, joint, pivot }: LevelPart, level: number, instances:
   geometry.setAttribute("aPiece", part.piece);
   if (joint) geometry.setAttribute("aJoint", joint);
   if (pivot) geometry.setAttribute("aPivot", pivot);
-  setInstances(geometry, instances);
   return geometry;
 }
 
@@ -93,6 +93,7 @@ export class LevelMeshes {
     parts: readonly LevelPart[],
     private readonly shadows: ShadowOptions,
     group: Group,
+    private readonly adjust: TreeGraphics["adapt"],
   ) {
     const shadowLevel = Math.max(
       level,
@@ -105,7 +106,10 @@ export class LevelMeshes {
   }
 
   private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
-    const mesh = new Mesh(geometryOf(part, level, caster ? this.casting : this.seen), part.materials.colour);
+    const geometry = geometryOf(part, level);
+    setInstances(geometry, caster ? this.casting : this.seen);
+    this.adjust?.(geometry);
+    const mesh = new Mesh(geometry, part.materials.colour);
     mesh.customDepthMaterial = part.materials.shadow;
     if (part.materials.distance) mesh.customDistanceMaterial = part.materials.distance;
     mesh.raycast = () => {}; // instances are picked by treePick.ts
@@ -133,9 +137,11 @@ export class LevelMeshes {
       const within_m = this.shadows.reach_m?.(shadowCamera) ?? Number.POSITIVE_INFINITY;
       mesh.geometry.instanceCount = this.castersWithin(within_m);
     };
-    mesh.onBeforeRender = () => {
+    const hide = () => {
       mesh.geometry.instanceCount = 0;
     };
+    hide();
+    mesh.onAfterShadow = hide;
     return mesh;
   }
 
@@ -169,6 +175,7 @@ export class LevelMeshes {
       if (caster !== casting) continue;
       mesh.geometry.dispose(); // what has been drawn is bound to the former buffer
       setInstances(mesh.geometry, larger);
+      this.adjust?.(mesh.geometry);
     }
     return larger;
   }

@@ -6,8 +6,8 @@ import type { TreeUniforms } from "./treeShader";
 /** Materials of a part, all with the deformation of pass 2. */
 export interface PartMaterials {
   readonly colour: Material;
-  /** For the shadow maps of directional lights and spotlights. */
-  readonly shadow: Material;
+  /** For the shadow maps of directional lights and spotlights; without it the renderer makes its own of `colour`. */
+  readonly shadow?: Material;
   /** For those of point lights. */
   readonly distance?: Material;
 }

@@ -1,5 +1,5 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
-import { type BufferAttribute, Group, type WebGLRenderer } from "three";
+import { type BufferAttribute, Group } from "three";
 import { LEVEL_SHARES } from "../core/constants";
 import type { Easing } from "../core/motion/easedPoses";
 import type { DrawnMotion } from "../core/table/drawnTable";
@@ -12,6 +12,7 @@ import { jointAttribute, pivotAttribute } from "./jointAttribute";
 import { MOST_LEAN } from "./lean";
 import { LevelMeshes, type LevelPart, type LevelTexels, type ShadowOptions } from "./levelMeshes";
 import type { AddedPart, TreeModel, TreePart } from "./mesh/treeMesh";
+import type { NodeRenderer, TreeGraphics } from "./nodes/nodeGraphics";
 import { NodePass } from "./nodes/nodePass";
 import type { MaterialMaker, PartMaterials } from "./partMaterials";
 import type { PullSlots, ShownPull } from "./pull/pullSlots";
@@ -20,6 +21,8 @@ import type { TreeUniforms } from "./treeShader";
 
 export interface SpeciesOptions {
   readonly materials: MaterialMaker;
+  /** What depends on the renderer. */
+  readonly graphics: TreeGraphics;
   readonly maxTextureSide: number;
   readonly shadows: ShadowOptions;
   /** Draws near parts, and fine shoots in place of fallen leaves; without smoothed edges they would be specks. */
@@ -83,7 +86,8 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     public instances: InstanceData,
     readonly options: SpeciesOptions,
   ) {
-    this.nodes = motion ? new NodePass(motion, options.maxTextureSide, options.exaggeration) : null;
+    const { graphics, maxTextureSide, exaggeration } = options;
+    this.nodes = motion ? new NodePass(motion, graphics, maxTextureSide, exaggeration) : null;
     this.pulls = options.pullsOf?.(holdsOf(model)) ?? null;
     this.uniforms = {
       ...this.pulls?.uniforms,
@@ -144,7 +148,8 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
       const joint = motion && jointAttribute(part, firstVertex, motion, motion.levels[level]);
       return { part, near, joint, pivot, materials };
     });
-    return new LevelMeshes(level, parts, this.options.shadows, this.group);
+    const { shadows, graphics } = this.options;
+    return new LevelMeshes(level, parts, shadows, this.group, graphics.adapt);
   }
 
   /** Replaces the instances; trees that stay keep their level of detail. */
@@ -230,7 +235,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     this.pulls?.show(pulls);
   }
 
-  renderNodes(renderer: WebGLRenderer): void {
+  renderNodes(renderer: NodeRenderer): void {
     if (!this.frozen) this.nodes?.render(renderer);
   }
 
@@ -258,7 +263,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {
         materials?.colour.dispose();
-        materials?.shadow.dispose();
+        materials?.shadow?.dispose();
         materials?.distance?.dispose();
       }
     }

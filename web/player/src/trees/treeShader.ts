@@ -1,9 +1,9 @@
 /** Shader code of pass 2, shared by the colour and shadow materials. */
-import type { Material, WebGLProgramParametersWithUniforms } from "three";
+import type { Material, Texture, WebGLProgramParametersWithUniforms } from "three";
 import { MOST_LEAF_GROWTH, SHRINK_RANK_WIDTH } from "../core/constants";
 import { MOST_SHARE, NEAR_RANK } from "./detail";
 import { WHOLE_SHARE } from "./jointAttribute";
-import { LEAF_FLUTTER } from "./leafFlutter";
+import { AHEAD_X_S_PER_M, AHEAD_Z_S_PER_M, LEAF_FLUTTER } from "./leafFlutter";
 import { LEAN_SHADER } from "./lean";
 import type { Part } from "./mesh/treeMesh";
 import { NODE_TEXEL, TURN_BY } from "./nodes/nodeTexel";
@@ -11,8 +11,8 @@ import type { PullUniforms } from "./pull/pullSlots";
 import { VARIANT_SHADER } from "./variantShader";
 
 export interface TreeUniforms extends Partial<PullUniforms> {
-  /** Target of pass 1; null for static trees. */
-  uNodes: { value: unknown };
+  /** Texture of the target of pass 1, the first one if it has two; null for static trees. */
+  uNodes: { value: Texture | null };
   uNodeShift: { value: number };
   /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
@@ -117,7 +117,7 @@ vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
   #ifdef LEAVES
     vec3 pivot = aPivot;
-    float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, heldWind, uFlutter.x + dot(aPlace.xz, vec2(0.7, 1.1)));
+    float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, heldWind, uFlutter.x + dot(aPlace.xz, vec2(${AHEAD_X_S_PER_M}, ${AHEAD_Z_S_PER_M})));
     local = aAnchor.xyz + turned(local - aAnchor.xyz, leafAxis(aPiece.x), leafSwing);
   #else
     vec3 pivot = mix(aAnchor.xyz, aPivot, grown); // a branch that shrinks to its base ends there

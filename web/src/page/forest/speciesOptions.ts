@@ -1,5 +1,5 @@
 /** How trees are drawn at a quality. */
-import { LEVEL_SHARES, PullSlots, type SpeciesOptions } from "galewood/trees";
+import { GLSL_GRAPHICS, LEVEL_SHARES, PullSlots, type SpeciesOptions } from "galewood/trees";
 import { exaggeration } from "../../scene/exaggeration";
 import type { Quality } from "../../scene/quality";
 import { seasonal } from "../../scene/season/seasonal";
@@ -23,6 +23,7 @@ export function speciesOptions(
       surface: seasonal,
       atmosphere: aerialPerspective,
     }),
+    graphics: GLSL_GRAPHICS,
     maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
     // If gloss is affordable, so are the shadows of all leaves.
     shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], reach_m: cascadeReach_m },

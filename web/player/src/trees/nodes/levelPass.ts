@@ -1,10 +1,10 @@
 /** One level of pass 1: its own nodes and modes, drawn to its own rows, updated at a rate that depends on its distance. */
-import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial, type Texture } from "three";
+import { type BufferGeometry, type DataTexture, type Material, Mesh, type Texture } from "three";
 import type { Easing } from "../../core/motion/easedPoses";
 import type { NodeLevel } from "../../core/table/drawnTable";
 import { roomFor } from "../instanceData";
-import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
-import { COVER_GLSL, DISPLACE_GLSL, SHORTEN_GLSL } from "./levelShader";
+import { flatTexture, uploadFirst } from "./flatTexture";
+import type { LevelUniforms, TreeGraphics } from "./nodeGraphics";
 import type { LevelRows } from "./nodeLayout";
 
 /** Poses as written by the worker, `stride` floats per tree, and the list of drawn trees. */
@@ -23,7 +23,7 @@ export interface PoseRows {
 /** Frames between pose updates, by level; poses are interpolated in between. */
 const PERIODS = [1, 1, 1, 2, 4];
 
-type Step = Mesh<BufferGeometry, RawShaderMaterial>;
+type Step = Mesh<BufferGeometry, Material>;
 
 /** A texture of rows [nodes, 3, 4 quads]. */
 function rowsTexture(rows: Float32Array): DataTexture {
@@ -58,55 +58,30 @@ export class LevelPass {
   /** Frames since the last pose update. */
   private age = 0;
   rows: LevelRows = { row: 0, rows: 0, trees: 0 };
+  private readonly uniforms: LevelUniforms;
 
-  /** `factor`: shared factor of all displacements. */
+  /** `factor`: shared factor of all displacements. `moved`: what the first step draws. */
   constructor(
     readonly level: NodeLevel,
     geometry: BufferGeometry,
     private readonly index: number,
+    graphics: TreeGraphics,
     factor: { value: number },
-    moved: { value: Texture | null },
+    moved: Texture,
   ) {
     this.period = PERIODS[index] ?? 1;
     this.textures = [rowsTexture(level.basis), rowsTexture(level.turn), linksTexture(level)];
     const [basis, turn, links] = this.textures;
-    const shared = {
-      uPoses: { value: this.poses.texture },
-      uBefore: { value: this.before.texture },
-      uShare: { value: 1 },
-      uFactor: factor,
-      uNodeCount: { value: level.nodes },
-      uShift: { value: 0 },
-      uRow: { value: 0 },
-      uDrawn: { value: 0 },
-    };
-    this.displacing = new Mesh(
-      geometry,
-      this.material(DISPLACE_GLSL, { ...shared, uRows: { value: basis } }),
+    const [displacing, shortening, uniforms] = graphics.steps(
+      level,
+      [basis, turn, links, this.poses.texture, moved],
+      factor,
+      this.period > 1,
     );
-    const further = { uRows: { value: turn }, uMoved: moved, uLinks: { value: links } };
-    this.shortening = new Mesh(geometry, this.material(SHORTEN_GLSL, { ...shared, ...further }));
+    this.displacing = new Mesh(geometry, displacing);
+    this.shortening = new Mesh(geometry, shortening);
     for (const mesh of [this.displacing, this.shortening]) mesh.frustumCulled = false;
-    this.uniforms = shared;
-  }
-
-  private readonly uniforms;
-
-  private material(fragmentShader: string, uniforms: RawShaderMaterial["uniforms"]): RawShaderMaterial {
-    return new RawShaderMaterial({
-      glslVersion: GLSL3,
-      vertexShader: COVER_GLSL,
-      fragmentShader,
-      depthTest: false,
-      depthWrite: false,
-      defines: {
-        QUADS: this.level.quads,
-        FLAT_SHIFT,
-        WIND_CHANNEL: this.level.coordinates.length % 4,
-        ...(this.period > 1 && { BLEND: 1 }),
-      },
-      uniforms,
-    });
+    this.uniforms = uniforms;
   }
 
   place(rows: LevelRows, shift: number): void {

@@ -10,7 +10,7 @@ void main() { gl_Position = vec4(position, 1.0); }
 `;
 
 /** Most links between a node and the ground. */
-const MOST_LINKS = 64;
+export const MOST_LINKS = 64;
 
 const PARS_GLSL = /* glsl */ `
 precision highp float;

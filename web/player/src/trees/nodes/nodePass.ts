@@ -5,18 +5,15 @@
 import {
   BufferAttribute,
   BufferGeometry,
-  Camera,
-  NearestFilter,
-  RGBAIntegerFormat,
-  type Texture,
-  UnsignedIntType,
-  type WebGLRenderer,
-  WebGLRenderTarget,
+  OrthographicCamera,
+  type RenderTarget,
+  type WebGLRenderTarget,
 } from "three";
 import type { Easing } from "../../core/motion/easedPoses";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import type { DrawList } from "../drawList";
 import { LevelPass, type PoseRows } from "./levelPass";
+import type { NodeRenderer, TreeGraphics } from "./nodeGraphics";
 import { levelRows, nodeLayout } from "./nodeLayout";
 
 function fullScreenTriangle(): BufferGeometry {
@@ -26,42 +23,34 @@ function fullScreenTriangle(): BufferGeometry {
   return geometry;
 }
 
-function uintTarget(width: number, height: number): WebGLRenderTarget {
-  return new WebGLRenderTarget(width, height, {
-    type: UnsignedIntType,
-    format: RGBAIntegerFormat,
-    internalFormat: "RGBA32UI",
-    minFilter: NearestFilter,
-    magFilter: NearestFilter,
-    depthBuffer: false,
-  });
-}
-
 export class NodePass {
   /** The finished texels. */
-  readonly target: WebGLRenderTarget;
+  readonly target: RenderTarget;
   /** Displacements before the links are shortened. */
-  private readonly first: WebGLRenderTarget;
+  private readonly first: RenderTarget;
   /** log2 of the target's width. */
   shift: number;
   private readonly levels: LevelPass[];
   private readonly triangle = fullScreenTriangle();
-  private readonly camera = new Camera();
+  private readonly camera = new OrthographicCamera();
   private list: DrawList | null = null;
   private poses: Float32Array | null = null;
   private easing: Easing | null = null;
 
   constructor(
     private readonly motion: DrawnMotion,
+    graphics: TreeGraphics,
     private readonly maxSide: number,
     factor: { value: number },
   ) {
     const layout = nodeLayout(0, motion.levels.length, maxSide);
     this.shift = layout.shift;
-    this.target = uintTarget(layout.width, layout.height);
-    this.first = uintTarget(layout.width, layout.height);
-    const moved = { value: this.first.texture as Texture };
-    this.levels = motion.levels.map((level, k) => new LevelPass(level, this.triangle, k, factor, moved));
+    this.target = graphics.target(layout.width, layout.height, true);
+    this.first = graphics.target(layout.width, layout.height, false);
+    const { texture } = this.first;
+    this.levels = motion.levels.map(
+      (level, k) => new LevelPass(level, this.triangle, k, graphics, factor, texture),
+    );
   }
 
   /** Ensures capacity for the trees drawn in this frame, with a margin while the camera moves. */
@@ -117,7 +106,7 @@ export class NodePass {
     for (const level of this.levels) if (level.rows.trees > 0) act(level, rows);
   }
 
-  render(renderer: WebGLRenderer): void {
+  render(renderer: NodeRenderer): void {
     if (this.levels.every(({ rows }) => rows.trees === 0)) return;
     const before = renderer.getRenderTarget();
     const { autoClear } = renderer;
@@ -129,15 +118,15 @@ export class NodePass {
   }
 
   private step(
-    renderer: WebGLRenderer,
-    target: WebGLRenderTarget,
+    renderer: NodeRenderer,
+    target: RenderTarget,
     meshOf: (level: LevelPass) => LevelPass["displacing"],
   ): void {
     for (const level of this.levels) {
       const { rows } = level;
       if (rows.trees === 0) continue;
       target.viewport.set(0, rows.row, target.width, rows.rows);
-      renderer.setRenderTarget(target);
+      renderer.setRenderTarget(target as WebGLRenderTarget); // or a target of WebGPURenderer, for that
       renderer.render(meshOf(level), this.camera);
     }
   }

@@ -1,0 +1,11 @@
+/** Forests of swaying trees for WebGPURenderer of three.js. */
+
+export type { Wind, WindFunction } from "./core/forest/givenWind";
+export type { WindDocument } from "./core/wind/document";
+export { PRESETS } from "./core/wind/presets";
+export type { ForestOptions, Pick, TreeFiles } from "./three/baseForest";
+export type { MaterialFactory } from "./three/ownMaterial";
+export type { Planted } from "./three/planted";
+export { type ServedTree, servedTrees } from "./three/served";
+export type { ViewOptions } from "./three/view";
+export { Forest } from "./webgpu/forest";
