@@ -72,6 +72,7 @@ await write(
 );
 // A page has one renderer: what both have in common is in both files.
 await write({ webgpu: "webgpu" });
+await write({ compute: "compute" });
 // Streams have their own files, so that nobody else loads what they need.
 await write({ stream: "stream" });
 await write({ "galewood.stream.worker": "streamWorker" });

@@ -19,8 +19,12 @@ async function serving(root: string): Promise<string> {
   return served.base;
 }
 
-/** Skips the test where the browser has no adapter of WebGPU, as on machines whose Chromium lacks Vulkan. */
-async function needWebgpu(page: Page): Promise<void> {
+/**
+ * Skips the test where the browser has no adapter of WebGPU, as on machines whose Chromium lacks Vulkan. `origin`: WebGPU is
+ * there for secure origins only; its script is shown as text.
+ */
+async function needWebgpu(page: Page, origin: string): Promise<void> {
+  await page.goto(`${origin}/features.js`);
   const has = await page.evaluate(async () => {
     const { gpu } = navigator as { gpu?: { requestAdapter(): Promise<unknown> } };
     return Boolean(await gpu?.requestAdapter());
@@ -50,8 +54,8 @@ for (const [name, renderer, backend] of [
 ]) {
   test(`vertices and pictures by WebGPURenderer on ${name} are those of the table and of WebGLRenderer`, async ({ page }, info) => {
     const base = await serving(__dirname);
+    if (backend === "WebGPU") await needWebgpu(page, base);
     const usual = await drawnBy(page, base, "webgl", info);
-    if (backend === "WebGPU") await needWebgpu(page);
     const found = await drawnBy(page, base, renderer, info);
     expect(found.backend).toBe(backend);
     expect(found.vertices?.vertices).toBeGreaterThan(10_000);
@@ -63,9 +67,33 @@ for (const [name, renderer, backend] of [
   });
 }
 
+interface Computed {
+  steps: number;
+  trees: number;
+  worst: number;
+  largest: number;
+  bytesPerTree: number;
+  refused: string;
+}
+
+test("compute shaders step trees as the processor does: to 1e-4 of the height over 1,000 steps", async ({ page }) => {
+  const base = await serving(__dirname);
+  await needWebgpu(page, base);
+  await page.goto(`${base}/computed.html`);
+  const handle = await page.waitForFunction(() => (window as { computed?: unknown }).computed);
+  const found = (await handle.jsonValue()) as Computed;
+  expect(found.steps).toBe(1000);
+  expect(found.trees).toBe(140);
+  expect(found.largest).toBeGreaterThan(0.1); // of the height
+  expect(found.worst).toBeLessThan(1e-4);
+  // Stated in docs/design/0035-webgpu.md: 24 oscillators and 30 modes twice each, commands with 32 places, 30 displayed coordinates.
+  expect(found.bytesPerTree).toBe(4 * (2 * (24 + 30) + (5 + 2 * 32) + 30));
+  expect(found.refused).toContain("400000 trees of a kind: this graphics device takes");
+});
+
+// The renderer itself chooses WebGL 2 where there is no WebGPU.
 test("the example, with a material of nodes", { tag: "@long" }, async ({ page }) => {
   const base = await serving(EXAMPLES);
   await page.goto(`${base}/webgpu/index.html`);
-  await needWebgpu(page);
   await swaying(page);
 });

@@ -14,11 +14,12 @@ import { tampered } from "../tableFile";
 const PLAYER = fileURLToPath(new URL("../../../web/player/", import.meta.url));
 const DIST = `${PLAYER}dist/`;
 const PAGE = `${PLAYER}../src/`;
-/** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides; the forest for WebGPURenderer. */
+/** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides; the forest for WebGPURenderer; compute shaders. */
 const MOST_BYTES = 43_000;
 const MOST_ELEMENT_BYTES = 2_200;
 const MOST_STREAM_BYTES = 40_000;
 const MOST_WEBGPU_BYTES = 20_000;
+const MOST_COMPUTE_BYTES = 26_000;
 const STREAM = ["stream.js", "galewood.stream.worker.js"];
 
 /** Newest change of the sources that the package is built from. */
@@ -95,6 +96,7 @@ describe("the built package", () => {
     expect(bytes(["element.js"])).toBeLessThanOrEqual(MOST_ELEMENT_BYTES);
     expect(bytes(STREAM)).toBeLessThanOrEqual(MOST_STREAM_BYTES);
     expect(bytes(["webgpu.js"])).toBeLessThanOrEqual(MOST_WEBGPU_BYTES);
+    expect(bytes(["compute.js"])).toBeLessThanOrEqual(MOST_COMPUTE_BYTES);
     for (const page of ["../../README.md", "README.md"]) {
       const stated = /([\d.]+) kB with worker and kernel|with worker and kernel, ([\d.]+) kB/.exec(
         readFileSync(PLAYER + page, "utf8"),
@@ -104,7 +106,7 @@ describe("the built package", () => {
   });
 
   test("needs nothing but its own files, and three.js only to draw", () => {
-    const drawing = ["three.js", "webgpu.js", "element.js", "trees.js", "inventory.js"];
+    const drawing = ["three.js", "webgpu.js", "compute.js", "element.js", "trees.js", "inventory.js"];
     for (const name of scripts()) {
       for (const at of importsOf(name)) {
         if (/^three(\/|$)/.test(at)) expect(drawing, `${name} imports ${at}`).toContain(name);
@@ -115,7 +117,7 @@ describe("the built package", () => {
     // Who has one renderer loads no other one's code.
     for (const name of scripts()) {
       const needs = importsOf(name).some((at) => /^three\/(webgpu|tsl)$/.test(at));
-      expect(needs, name).toBe(name === "webgpu.js");
+      expect(needs, name).toBe(["webgpu.js", "compute.js"].includes(name));
     }
     expect(readFileSync(`${DIST}webgpu.js`, "utf8")).not.toContain("texelFetch");
   });

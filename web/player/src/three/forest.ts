@@ -1,8 +1,7 @@
 /** Forests for WebGLRenderer. */
 
-import { GLSL_GRAPHICS } from "../trees/nodes/glslNodes";
 import { BaseForest, type ForestOptions } from "./baseForest";
-import { makerOf } from "./materials";
+import { GLSL_GRAPHICS, makerOf } from "./materials";
 
 /**
  * Trees that sway. Add it to a scene, plant trees, and call `update` before every picture. It steps them in a worker of its

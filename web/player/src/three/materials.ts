@@ -51,3 +51,6 @@ export const makerOf: Materials = (factory, leafShare) => (from, part, given, mo
   deform(distance, { ...variant, key: "distance" }, uniforms);
   return { colour, shadow, distance };
 };
+
+// From here, because shader code that lies together in the built file compresses better.
+export { GLSL_GRAPHICS } from "../trees/nodes/glslNodes";

@@ -1,9 +1,10 @@
 /** A forest without pictures: tables and places in, displacements of nodes and vertices out. */
 import { type Jointed, NodePose } from "../motion/nodePose";
+import type { SteppedTrees } from "../motion/steppedTrees";
 import type { Table } from "../table/table";
 import { WindField } from "../wind/field";
 import { checkedWind, GivenWind, type Point, velocityAt, type Wind } from "./givenWind";
-import { advance, type Trees, treesOf } from "./trees";
+import { advance, type Make, treesOf } from "./trees";
 
 /** Where a tree stands. */
 export interface Place {
@@ -42,7 +43,7 @@ interface Grove {
   readonly first: number;
   readonly count: number;
   readonly places: readonly Place[];
-  readonly trees: Trees;
+  readonly trees: SteppedTrees;
   readonly pose: NodePose;
 }
 
@@ -82,12 +83,13 @@ export class Forest {
   private field: WindField;
   private now_s: number;
 
-  constructor({ kinds, wind, time_s = 0 }: ForestOptions) {
+  /** `make`: what steps the trees, if not the processor. */
+  constructor({ kinds, wind, time_s = 0 }: ForestOptions, make?: Make) {
     this.now_s = time_s;
     let first = 0;
     this.groves = kinds.map(({ table, places }) => {
       checkPlaces(places);
-      const trees = treesOf(table, placementOf(places));
+      const trees = treesOf(table, placementOf(places), make);
       const grove = { first, count: places.length, places, trees, pose: new NodePose(jointsOf(table)) };
       first += places.length;
       return grove;

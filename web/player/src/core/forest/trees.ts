@@ -3,17 +3,23 @@ import { ModalForest } from "../modal/modalForest";
 import { PlaceGusts } from "../modal/placeGusts";
 import { GroupWind } from "../motion/groupWind";
 import { SteppedTrees, stepsOf } from "../motion/steppedTrees";
+import type { TreeInstances } from "../motion/treeInstances";
 import type { Table } from "../table/table";
 import type { WindField } from "../wind/field";
 
 export type Trees = SteppedTrees<ModalForest>;
 
+/** What steps so many trees of a table. */
+export type Make = new (table: Table, count: number) => TreeInstances;
+
 /** `placement`: x, z, yaw, scale of each tree. */
-export function treesOf(table: Table, placement: Float32Array): Trees {
+export function treesOf(table: Table, placement: Float32Array): Trees;
+export function treesOf(table: Table, placement: Float32Array, make?: Make): SteppedTrees;
+export function treesOf(table: Table, placement: Float32Array, make: Make = ModalForest): SteppedTrees {
   const { height_m, modes, streamlined_exponent } = table.metadata;
   const count = placement.length / 4;
   const wind = new GroupWind(placement, height_m, table.modal.limits[2], streamlined_exponent);
-  return new SteppedTrees(new ModalForest(table, count), new PlaceGusts(table.modal, count), wind, modes);
+  return new SteppedTrees(new make(table, count), new PlaceGusts(table.modal, count), wind, modes);
 }
 
 /** The same trees, in the same pose, at other places. */
@@ -25,7 +31,12 @@ export function movedTo(trees: Trees, table: Table, placement: Float32Array): Tr
 }
 
 /** Advances all groups by a frame that ends at the returned time. */
-export function advance(groups: readonly Trees[], field: WindField, time_s: number, dt_s: number): number {
+export function advance(
+  groups: readonly SteppedTrees[],
+  field: WindField,
+  time_s: number,
+  dt_s: number,
+): number {
   const { steps, step_s } = stepsOf(dt_s);
   let now_s = time_s;
   for (let step = 0; step < steps; step++) {

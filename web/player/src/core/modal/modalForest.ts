@@ -2,8 +2,8 @@
  * The modal reduced-order model for many trees at once: a few oscillators per tree, integrated exactly and coupled by
  * a small polynomial force. Nothing is allocated per step.
  *
- * There are three implementations of the modal step, which must stay equal: numba (precompute/galewood/motion/modal/),
- * this one, and AssemblyScript (web/kernel/modal.ts). See docs/design/0010-kernel.md.
+ * There are four implementations of the modal step, which must stay equal: numba (precompute/galewood/motion/modal/),
+ * this one, AssemblyScript (web/kernel/modal.ts) and WGSL (webgpu/step/modalWgsl.ts). See docs/design/0010-kernel.md.
  */
 
 import { MODAL_REACH, MODAL_REST } from "../constants";

@@ -1,5 +1,5 @@
 /**
- * The modal step in WebAssembly, compiled from web/kernel/modal.ts: memory layout and instantiation. One of three
+ * The modal step in WebAssembly, compiled from web/kernel/modal.ts: memory layout and instantiation. One of four
  * implementations of the step, see docs/design/0010-kernel.md.
  */
 import { ISOTROPIC_DRAG } from "../constants";
