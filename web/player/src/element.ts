@@ -38,7 +38,7 @@ export class GalewoodForest extends Base {
       if (mount !== this.mounts) return; // removed from the page meanwhile
       this.stop();
       this.report(error);
-      this.show(`No trees: ${error instanceof Error ? error.message : error}`);
+      this.show(`The trees cannot be shown: ${error instanceof Error ? error.message : error}`);
     });
   }
 

@@ -5,8 +5,9 @@ import { site } from "../../../tests/e2e/player/examples";
 import { processor_ms } from "./frames";
 import { type Figure, median } from "./report";
 
-const WAYS = ["package", "still", "morphed"] as const;
-type Way = (typeof WAYS)[number];
+/** Ways of drawing the same trees. */
+const DRAWN_WAYS = ["package", "still", "morphed"] as const;
+type Way = (typeof DRAWN_WAYS)[number];
 const ROUND_COUNT = 5;
 const BLOCK_FRAMES = 2;
 
@@ -32,7 +33,7 @@ export async function measureRivals(browser: Browser, trees: number): Promise<Fi
     const frame: Record<Way, number[]> = { package: [], still: [], morphed: [] };
     const used: Record<Way, number[]> = { package: [], still: [], morphed: [] };
     for (let round = 0; round < ROUND_COUNT; round++) {
-      for (const way of WAYS) {
+      for (const way of DRAWN_WAYS) {
         const before_ms = await processor_ms(session);
         frame[way].push(await drawing(page, way));
         used[way].push(((await processor_ms(session)) - before_ms) / BLOCK_FRAMES);

@@ -1,6 +1,5 @@
 /** The application: makes the features of the page, and gives each what it depends on. */
 
-import type { Land } from "../scene/stage";
 import { Capture } from "./camera/capture";
 import { Views } from "./camera/views";
 import { Comparison } from "./compare/comparison";
@@ -69,11 +68,10 @@ export function loadTrees(store: Store): LoadingTrees {
 export function openPage(
   store: Store,
   { client, catalogue }: LoadingTrees,
-  land: Land,
   uploads: OwnUploads,
   files: DataFiles,
 ) {
-  const world = new World(store, client, land);
+  const world = new World(store, client);
   const undo = new Undo(store);
   rememberSettings(store);
 

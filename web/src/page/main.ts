@@ -2,7 +2,6 @@ import "uplot/dist/uPlot.min.css";
 import "./ui/instruments/instruments.css";
 import "./uploads/uploads.css";
 import "./risk/risk.css";
-import { Land } from "../scene/stage";
 import { loadTrees, openPage } from "./app";
 import { connectAbout } from "./controls/about";
 import { showHint } from "./controls/hint";
@@ -62,7 +61,6 @@ async function start(): Promise<void> {
   const store = new Store(settings, defaults, location.search);
   const trees = loadTrees(store);
   await painted();
-  const land = new Land();
   const graphics = await looking;
   if (!graphics.webgl2) {
     trees.dispose();
@@ -76,7 +74,7 @@ async function start(): Promise<void> {
   checkWind();
   checkTrees();
   connectSheets(settings.panel);
-  const page = openPage(store, trees, land, uploads, files);
+  const page = openPage(store, trees, uploads, files);
   exposeProbe(page);
   if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {

@@ -43,21 +43,15 @@ const BARE_DETAIL: Record<Quality, number> = { low: 4, medium: 1, high: 0.95 };
 /** How far the view may be turned up, as the angle of the camera from above its target: crowns are seen from below. */
 const MAX_POLAR_RAD = 0.75 * Math.PI;
 
-/** What a scene has whatever the graphics are: made while those are looked at. */
-export class Land {
-  readonly pictures = new Pictures();
-  readonly terrain = new Terrain(this.pictures);
-}
-
 export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(46, 1, 0.3, 2600);
   readonly renderer: WebGLRenderer;
   readonly controls: OrbitControls;
-  private readonly pictures: Pictures;
-  readonly sky: Sky;
+  private readonly pictures = new Pictures();
+  readonly sky = new Sky(this.pictures);
   readonly daylight: Daylight;
-  private readonly terrain: Terrain;
+  private readonly terrain = new Terrain(this.pictures);
   private readonly feet = new StemFeet();
   private readonly lighting: Lighting;
   private readonly wind = new GroundWind();
@@ -79,13 +73,8 @@ export class Stage {
   constructor(
     private readonly canvas: HTMLCanvasElement,
     quality: Quality,
-    { pictures, terrain }: Land,
   ) {
     this.quality = quality;
-    this.pictures = pictures;
-    this.terrain = terrain;
-    this.sky = new Sky(pictures);
-    pictures.paint();
     this.renderer = new WebGLRenderer({
       canvas,
       antialias: quality !== "low",

@@ -120,7 +120,9 @@ def regrow(document: bytes | str) -> Individual:
             raise ValueError("another format or version")
         species, motion = str(values.pop("species")), motion_of_document(values.pop("motion"))
         request = IndividualRequest.model_validate(values)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except KeyError as error:
+        raise GrowthError(f"Not the document of an individual: it lacks {error}") from None
+    except (AttributeError, TypeError, ValueError) as error:
         raise GrowthError(f"Not the document of an individual: {error}") from None
     files = grow_files(species, request)
     return Individual(species, request, motion, files.glb, read_skeleton(files.skeleton))

@@ -93,7 +93,7 @@ export class LevelMeshes {
     parts: readonly LevelPart[],
     private readonly shadows: ShadowOptions,
     group: Group,
-    private readonly adjust: TreeGraphics["adapt"],
+    private readonly adapt: TreeGraphics["adapt"],
   ) {
     const shadowLevel = Math.max(
       level,
@@ -108,7 +108,7 @@ export class LevelMeshes {
   private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
     const geometry = geometryOf(part, level);
     setInstances(geometry, caster ? this.casting : this.seen);
-    this.adjust?.(geometry);
+    this.adapt?.(geometry);
     const mesh = new Mesh(geometry, part.materials.colour);
     mesh.customDepthMaterial = part.materials.shadow;
     if (part.materials.distance) mesh.customDistanceMaterial = part.materials.distance;
@@ -175,7 +175,7 @@ export class LevelMeshes {
       if (caster !== casting) continue;
       mesh.geometry.dispose(); // what has been drawn is bound to the former buffer
       setInstances(mesh.geometry, larger);
-      this.adjust?.(mesh.geometry);
+      this.adapt?.(mesh.geometry);
     }
     return larger;
   }

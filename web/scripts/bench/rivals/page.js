@@ -7,13 +7,13 @@ import { jointsOf, NodePose, PRESETS, readTable } from "galewood/core";
 import { Forest } from "galewood/three";
 import * as THREE from "three";
 
-const TREE = { table: "/trees/poplar.table", mesh: "/light/poplar.glb" };
+const TREE_FILES = { table: "/trees/poplar.table", mesh: "/light/poplar.glb" };
 const SPACING_M = 7;
 /** Frames after which the worker has sent poses, and the trees have their levels of detail. */
 const WARM_FRAMES = 8;
 /** Sway of the morphing rivals, in the units of the modes, and its two frequencies. */
-const SWAY = 0.3;
-const RATES_HZ = [0.45, 0.6];
+const SWAY_WEIGHT = 0.3;
+const SWAY_RATES_HZ = [0.45, 0.6];
 
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 renderer.setSize(480, 270);
@@ -101,7 +101,8 @@ function sway(rivals, time_s) {
   for (const rival of rivals) {
     for (let k = 0; k < rival.count; k++) {
       for (let mode = 0; mode < 2; mode++)
-        weights.morphTargetInfluences[mode] = SWAY * Math.sin(6.283 * RATES_HZ[mode] * time_s + k);
+        weights.morphTargetInfluences[mode] =
+          SWAY_WEIGHT * Math.sin(6.283 * SWAY_RATES_HZ[mode] * time_s + k);
       rival.setMorphAt(k, weights);
     }
     rival.morphTexture.needsUpdate = true;
@@ -115,8 +116,8 @@ const next = () => new Promise(requestAnimationFrame);
 window.prepare = async (trees) => {
   const places = placesOf(trees);
   const forest = new Forest({ wind: PRESETS["autumn-gusts"], shadow_m: 0 });
-  const table = readTable(await (await fetch(TREE.table)).arrayBuffer());
-  await forest.plant(TREE, places);
+  const table = readTable(await (await fetch(TREE_FILES.table)).arrayBuffer());
+  await forest.plant(TREE_FILES, places);
   const scene = sceneOf(forest);
   for (let frame = 0; frame < WARM_FRAMES; frame++) {
     forest.update(1 / 30, camera);

@@ -10,7 +10,7 @@ import type { Planted } from "../../scene/background/farWood";
 import { exaggeration } from "../../scene/exaggeration";
 import { Forest, type PickedTree, type PlacedSpecies } from "../../scene/forest";
 import { groundHeight_m } from "../../scene/ground/landscape";
-import { type Land, Stage } from "../../scene/stage";
+import { Stage } from "../../scene/stage";
 import { showExaggeration } from "../controls/exaggerated";
 import { showPulls } from "../pulling/showPulls";
 import { watch } from "../store/signals";
@@ -48,10 +48,9 @@ export class World {
   constructor(
     private readonly store: Store,
     readonly client: ForestClient,
-    land: Land,
   ) {
     const { settings, opened } = store;
-    this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality, land);
+    this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     const { stage } = this;
     this.field = new WindField(settings.wind);
     // three.js creates its own resources again when it draws; what depends on the view is selected again.

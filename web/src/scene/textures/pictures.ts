@@ -47,14 +47,14 @@ export class Pictures {
   readonly litter = smoothed(tiled(plain(107, 70, 32, 255)), true);
   readonly grass = smoothed(tiled(plain(110, 107, 45, 255)), true);
   readonly plants = smoothed(plain(0, 0, 0, 0), false);
-  private painter: Worker | null = null;
+  private readonly painter: Worker | null = null;
 
-  /** Starts painting, which takes as long as the rest of the start; that goes on meanwhile. */
-  paint(): void {
+  constructor() {
     if (typeof Worker === "undefined") {
       this.receive(paintLand());
       return;
     }
+    // Painting takes as long as the rest of the start, which goes on meanwhile.
     this.painter = new Worker(new URL("./painting.worker.ts", import.meta.url), { type: "module" });
     this.painter.onmessage = ({ data }: MessageEvent<LandPictures>) => {
       this.receive(data);
