@@ -23,7 +23,7 @@ class ModalForest(TreeInstances):
     def __init__(self, modal: ModalTensors, dt_s: float, mode_scale: Singles, count: int) -> None:
         """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q."""
         super().__init__(count, mode_scale, dt_s)
-        self._tensors, self._batch = float64_tensors(modal), working_room(modal)
+        self._tensors, self._batch = float64_tensors(modal), working_room(modal, count)
         d = len(modal.step)
         self._shown = modal.shown.astype(np.float64)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))

@@ -15,7 +15,7 @@ from galewood.motion.modal.terms import write_force_terms, write_pose_terms, wri
 from galewood.util import Array, Floats
 
 BATCH_TREES = 64
-"""Trees per matrix product: few enough that BLAS stays on one core."""
+"""Most trees per matrix product: few enough that BLAS stays on one core."""
 
 
 @numba.njit(cache=True, nogil=True)
@@ -30,7 +30,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
     np.dot(force, terms[: force.shape[1]], total[: len(e)])
     for k in range(len(e)):
         a, b, _, _, s0, _ = step[k]
-        for lane in range(BATCH_TREES):
+        for lane in range(e.shape[1]):
             total[k, lane] += load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
             # the mean speed during the step, without the drag
             ahead[k, lane] = (a * e[k, lane] + b * v[k, lane] + s0 * total[k, lane]) * (0.5 / half_s)
@@ -38,7 +38,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
         add_drag(point, inputs, outputs, rest, exponent, ahead, air, moved, total[: len(e)])
     for k in range(len(e)):
         a, b, c, d, s0, s1 = step[k]
-        for lane in range(BATCH_TREES):
+        for lane in range(e.shape[1]):
             x, y, f = e[k, lane], v[k, lane], total[k, lane]
             e[k, lane] = x + (a * x + b * y + s0 * f)
             v[k, lane] = y + (c * x + d * y + s1 * f)
@@ -50,7 +50,7 @@ def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
     e, v, pressure, _, _, _, pairs, _, _, _, _ = batch
     write_sway(sway, e, pairs[0])
     small, reach = MODAL_REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
-    for lane in range(BATCH_TREES):
+    for lane in range(e.shape[1]):
         if pressure[0, lane] != 0.0 or pressure[1, lane] != 0.0:
             continue
         if max(abs(pairs[0, 0, lane]), abs(pairs[0, 1, lane])) > small:
@@ -173,7 +173,7 @@ def advance_trees(tensors, half_s, batch, rate, turn, wind, phase, state, q):  #
                 phase[i] -= 1.0
                 tree[count] = i
                 count += 1
-            if count == BATCH_TREES or (count > 0 and i == len(phase) - 1):
+            if count == len(tree) or (count > 0 and i == len(phase) - 1):
                 _step_trees(tensors, half_s, batch, count, gusts, state)
                 stepped += count
                 count = 0
@@ -200,21 +200,23 @@ def float64_tensors(modal: ModalTensors) -> tuple[Floats | float, ...]:
     return *wide, *drag, np.ascontiguousarray(t.drag_place, np.float64), t.mean_gust
 
 
-def working_room(modal: ModalTensors) -> tuple[Array, ...]:
+def working_room(modal: ModalTensors, count: int) -> tuple[Array, ...]:
     """Work arrays of a batch: e, v, the pressures at the tree, in the mean over the crown and at the drag
-    points, prediction, pairs, terms, sums, drag, and tree indices.
+    points, prediction, pairs, terms, sums, drag, and tree indices. A forest of ``count`` trees needs no wider
+    ones than that.
     """
+    lanes = max(1, min(count, BATCH_TREES))
     d, points = len(modal.step), len(modal.drag_point)
     terms = max(len(modal.force) + 2 * len(modal.place), len(modal.pose))
     heights = (d, d, 2, 2, 2 * points, d)
-    rooms = [np.zeros((height, BATCH_TREES)) for height in heights]
-    total = np.zeros((max(d, modal.pose.shape[1]), BATCH_TREES))
-    moved = np.zeros((3 * points + 2, BATCH_TREES))
+    rooms = [np.zeros((height, lanes)) for height in heights]
+    total = np.zeros((max(d, modal.pose.shape[1]), lanes))
+    moved = np.zeros((3 * points + 2, lanes))
     return (
         *rooms,
-        np.zeros((3, 2, BATCH_TREES)),
-        np.zeros((terms, BATCH_TREES)),
+        np.zeros((3, 2, lanes)),
+        np.zeros((terms, lanes)),
         total,
         moved,
-        np.zeros(BATCH_TREES, np.int64),
+        np.zeros(lanes, np.int64),
     )
