@@ -55,6 +55,27 @@ vec2 sprayShift(vec2 at, vec4 piece, ivec2 size) {
 }
 `;
 
+/** Density of leaves from afar relative to that of their picture. */
+const FAR_DENSITY = "1.6";
+
+/**
+ * Alpha of a leaf picture that is drawn smaller than it is, in texels per pixel: then it is the share of a pixel that leaves cover.
+ * Cut off at a fixed value, a shoot of needles would be a solid blob from afar, as wide as the shoot. Instead, a pixel is covered with the
+ * probability alpha, by a random number for each cell of the picture that is about as large as a pixel (hashed alpha testing: Wyman and
+ * McGuire 2017), so that cards behind each other add up.
+ */
+const LEAF_COVER = /* glsl */ `
+float leafCover(float alpha, vec2 texel, float wide, float piece) {
+  float level = 0.5 * log2(max(wide, 1.0));
+  float far = smoothstep(1.0, 2.5, level);
+  if (far == 0.0) return alpha;
+  vec2 cell = floor(texel * exp2(-ceil(level))) + 59.0 * floor(97.0 * piece);
+  float chance = fract(52.9829189 * fract(dot(cell, vec2(0.06711056, 0.00583715))));
+  float covered = clamp(0.42 + 4.0 * (${FAR_DENSITY} * alpha - chance), 0.0, 1.0);
+  return mix(alpha, covered, far);
+}
+`;
+
 const LEAF_MAP = /* glsl */ `
 #ifdef USE_MAP
   #ifdef SPRAYS
@@ -67,10 +88,10 @@ const LEAF_MAP = /* glsl */ `
   vec2 right = dFdx(vMapUv) * texels;
   vec2 down = dFdy(vMapUv) * texels;
   float area = abs(right.x * down.y - right.y * down.x) + 1e-4;
-  // Mip levels reduce the alpha coverage: restore it.
-  leaf.a *= 1.0 + 0.14 * max(0.0, log2(area));
+  float wide = 0.5 * (dot(right, right) + dot(down, down));
+  leaf.a = leafCover(leaf.a, vMapUv * texels, wide, vPiece.x);
   // A card seen edge-on is a smear of all its leaves, so fade it: 1 from the front, twice the cosine at the edge.
-  leaf.a *= smoothstep(0.1, 0.5, 2.0 * area / (dot(right, right) + dot(down, down)));
+  leaf.a *= smoothstep(0.1, 0.5, area / wide);
   diffuseColor *= leaf;
 #endif
 float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
@@ -228,7 +249,7 @@ export function patchColour(
   shader.fragmentShader = shader.fragmentShader
     .replace(
       "#include <common>",
-      `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${sprays}${atmosphere.declarations}`,
+      `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${LEAF_COVER}${sprays}${atmosphere.declarations}`,
     )
     .replace("#include <map_fragment>", leaves ? LEAF_MAP + (moves ? UNDERSIDES : "") : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
