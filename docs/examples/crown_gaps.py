@@ -1,0 +1,51 @@
+"""Gaps in the crowns of the built-in trees, seen from the side: the figures of assets/species/README.md.
+
+Run from the repository: ``python docs/examples/crown_gaps.py assets/species/shipped``.
+"""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+from galewood.io.export.gltf_file import GltfFile
+from galewood.io.export.impostor.export import seen_from, sphere_of
+from galewood.io.export.impostor.raster import NOTHING_M
+from galewood.io.export.impostor.surfaces import surfaces_of
+from galewood.table import decode
+from scipy.ndimage import binary_closing
+
+RAY_SPACING_M = 0.04
+OUTLINE_GAP_M = 0.6
+"""Openings that are narrower than this belong to the crown, wider ones at its edge do not."""
+SIDES = 8
+"""Horizontal directions from which a crown is seen."""
+
+folder = Path(sys.argv[1])
+for path in sorted(folder.glob("*.table")):
+    if path.name.endswith(".bare.table"):
+        continue
+    table = decode(path.read_bytes())
+    surfaces = surfaces_of(GltfFile(path.with_suffix(".glb").read_bytes(), table), table)
+    leaves = [
+        one
+        for one, drawn in zip(surfaces, table.metadata["primitives"], strict=True)
+        if drawn["kind"] == "leaves"
+    ]
+    centre_m, radius_m = sphere_of(leaves, 64)
+    rays = math.ceil(2 * radius_m / RAY_SPACING_M)
+    gaps = list[float]()
+    for side in range(SIDES):
+        turn = 2 * math.pi * side / SIDES
+        direction = np.array([math.cos(turn), 0.0, math.sin(turn)])
+        covered = seen_from(surfaces, direction, centre_m, radius_m, rays).depth_m > NOTHING_M
+        leafy = seen_from(leaves, direction, centre_m, radius_m, rays).depth_m > NOTHING_M
+        reach = round(0.5 * OUTLINE_GAP_M / RAY_SPACING_M)
+        down, along = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+        outline = binary_closing(np.pad(leafy, reach), down**2 + along**2 <= reach**2)
+        outline = outline[reach:-reach, reach:-reach]
+        gaps.append(1.0 - covered[outline].mean())
+    print(
+        f"{path.stem} {100 * np.median(gaps):.0f} % ({100 * min(gaps):.0f} to {100 * max(gaps):.0f})",
+        flush=True,
+    )
