@@ -5,6 +5,7 @@ import { readGlb } from "../../tools/species/glb";
 import { drawSprays, type GrownSpecies, growSpecies } from "../../tools/species/grow";
 import { SPECIES } from "../../tools/species/parameters";
 import { decodePng } from "../../tools/species/pictures/picture";
+import { SHOOT_TILES_PER_SIDE } from "../../web/src/scene/treeModel/sprayTiles";
 
 type Vec = [number, number, number];
 type GltfDocument = Awaited<ReturnType<typeof readGlb>>;
@@ -217,6 +218,19 @@ describe.each(SPECIES)("$id", (species) => {
     const [old, now] = [pictures(committed), pictures(regrown)];
     expect(now.map((pixels, i) => Buffer.compare(pixels, old[i]))).toEqual(old.map(() => 0));
   }, 60_000);
+
+  it("has a picture of shoots of which none reaches the edge of its tile, so that copies side by side have no cuts", () => {
+    const image = part(committed, "leaves").material?.getBaseColorTexture()?.getImage();
+    const { width, data } = decodePng(image as Uint8Array);
+    const side = width / SHOOT_TILES_PER_SIDE;
+    const alpha = (x: number, y: number) => data[4 * (y * width + x) + 3];
+    for (let along = 0; along < width; along++) {
+      for (let tile = 0; tile < SHOOT_TILES_PER_SIDE; tile++) {
+        const [first, last] = [tile * side, tile * side + side - 1];
+        expect([alpha(along, first), alpha(along, last), alpha(first, along), alpha(last, along)]).toEqual([0, 0, 0, 0]);
+      }
+    }
+  });
 });
 
 it.each(SPECIES.filter(({ form }) => form === "open"))("reproduces the picture of the sprays: $id", (species) => {

@@ -1,10 +1,11 @@
 /** The code that the page adds to the shaders of three.js arrives there: a chunk that has another name would leave it out. */
-import { ShaderLib, type WebGLProgramParametersWithUniforms } from "three";
+import { MeshStandardMaterial, ShaderLib, Texture, type WebGLProgramParametersWithUniforms } from "three";
 import { expect, test } from "vitest";
 import { groundMaterial } from "../../../web/src/scene/ground/groundMaterial";
 import { aerialPerspective } from "../../../web/src/scene/sky/air";
 import type { Pictures } from "../../../web/src/scene/textures/pictures";
 import { patchColour } from "../../../web/src/scene/treeSurface/treeLight";
+import { materialsOf } from "../../../web/src/scene/treeSurface/treeMaterial";
 
 const shaderOf = ({ vertexShader, fragmentShader }: { vertexShader: string; fragmentShader: string }) =>
   ({ vertexShader, fragmentShader, uniforms: {} }) as unknown as WebGLProgramParametersWithUniforms;
@@ -27,4 +28,21 @@ test("leaves that move show their undersides in strong wind; still ones and wood
     return times(shader.fragmentShader, "vec3 underside =");
   };
   expect([shows("leaves", true), shows("leaves", false), shows("wood", true)]).toEqual([1, 0, 0]);
+});
+
+test("only leaves whose picture is known to have tiles of shoots repeat them where they are enlarged", () => {
+  const make = materialsOf({
+    anisotropy: 1,
+    smoothEdges: false,
+    relief: false,
+    gloss: false,
+    surface: {} as never,
+    atmosphere: aerialPerspective,
+  });
+  const tiled = (part: "leaves" | "wood", shoots: boolean) => {
+    const from = new MeshStandardMaterial({ map: new Texture(), alphaTest: 0.4 });
+    from.userData.shoots = shoots;
+    return "SHOOT_TILES" in (make(from, part, {} as never, true).colour.defines ?? {});
+  };
+  expect([tiled("leaves", true), tiled("leaves", false), tiled("wood", true)]).toEqual([true, false, false]);
 });

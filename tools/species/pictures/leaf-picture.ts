@@ -1,4 +1,4 @@
-import { SPRAY_SHARE, SPRAY_TILES } from "../../../web/src/scene/treeModel/sprayTiles";
+import { SHOOT_TILES_PER_SIDE, SPRAY_SHARE, SPRAY_TILES } from "../../../web/src/scene/treeModel/sprayTiles";
 import { type Random, seededRandom } from "../random";
 import type { LeafLook } from "./leaf-look";
 import { insideLeaf, type LeafPoint } from "./outline";
@@ -26,8 +26,8 @@ function leafy(shoots: Shoot[], look: LeafLook, palette: readonly Colour[], rand
 }
 
 const CARDS: Sheet = {
-  columns: 2,
-  rows: 2,
+  columns: SHOOT_TILES_PER_SIDE,
+  rows: SHOOT_TILES_PER_SIDE,
   tile_px: 512,
   grow: (look, palette, random) =>
     leafy(growShoots(random, look.sideShoots, look.leavesPerCard), look, palette, random),

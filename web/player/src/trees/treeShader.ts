@@ -110,7 +110,8 @@ const POSITION_GLSL = /* glsl */ `
 float grown = pieceSize(aPiece.w);
 #ifdef LEAVES
   if (aPiece.w < 1.0) grown *= 1.0 - pieceSize(${NEAR_RANK} + ${(MOST_SHARE - NEAR_RANK).toFixed(2)} * aPiece.w); // see detail.ts
-  grown *= min(${MOST_LEAF_GROWTH.toFixed(1)}, inversesqrt(min(aTurn.w, 1.0)));
+  float leafGrowth = min(${MOST_LEAF_GROWTH.toFixed(1)}, inversesqrt(min(aTurn.w, 1.0)));
+  grown *= leafGrowth;
 #endif
 grown *= hasVariant(aAnchor.w, aPlace.xz);
 vec3 local = mix(aAnchor.xyz, position, grown);
@@ -133,6 +134,9 @@ vec3 local = mix(aAnchor.xyz, position, grown);
 vec3 transformed = aPlace.xyz + stood(local);
 vTint = aTint;
 vPiece = aPiece;
+#ifdef LEAVES
+  vPiece.z = leafGrowth;
+#endif
 #if defined(LEAVES) && !defined(STILL)
   vPiece.y = clamp(vPiece.y * (1.0 + 0.5 * leafSwing), 0.0, 1.0); // a leaf that turns catches more light, or less
   vPiece.w = uFlutter.y * heldWind; // for the leaves of a spray, which move against each other

@@ -162,7 +162,10 @@ function nearPartsOf(read: readonly ReadPart[], material: MeshStandardMaterial):
 /** The material of the leaves with another picture; null for a tree without leaves. */
 function spraysMaterial(parts: readonly TreePart[], picture: Texture): MeshStandardMaterial | null {
   const material = parts.find(({ kind }) => kind === "leaves")?.material.clone() ?? null;
-  if (material) material.map = picture;
+  if (material) {
+    material.map = picture;
+    material.userData = {};
+  }
   return material;
 }
 
@@ -252,6 +255,7 @@ export function readTreeModel({ scene, sprays }: OpenedTree, { varied, evergreen
   const { read, height_m, radius_m } = readParts(scene);
   if (varied) assignKeys(read);
   const parts = read.map(({ part }) => part);
+  for (const { kind, material } of parts) material.userData.shoots = varied && kind === "leaves";
   const ofSprays = sprays && spraysMaterial(parts, sprays);
   let bareParts: AddedPart[] | null = null;
   let nearParts: AddedPart[] | null = null;

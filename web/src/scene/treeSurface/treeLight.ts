@@ -2,6 +2,7 @@
 
 import type { Part } from "galewood/trees";
 import type { Color, WebGLProgramParametersWithUniforms } from "three";
+import { SHOOT_TILES_PER_SIDE } from "../treeModel/sprayTiles";
 
 /** Surface uniforms shared by all trees. */
 export interface SurfaceUniforms {
@@ -55,6 +56,20 @@ vec2 sprayShift(vec2 at, vec4 piece, ivec2 size) {
 }
 `;
 
+/**
+ * Far away a tree has fewer and larger cards (detail.ts). So that its leaves keep their size, a card that has grown by more than this shows
+ * four shoots of half its size, of all the tiles of the picture, in place of one.
+ */
+const COPIED_FROM = 1.3;
+
+const SHOOT_COPY = /* glsl */ `
+vec2 shootCopy(vec2 at) {
+  const float TILES = ${SHOOT_TILES_PER_SIDE.toFixed(1)};
+  vec2 inTile = 2.0 * fract(TILES * at);
+  return (mod(floor(TILES * at) + floor(inTile), TILES) + fract(inTile)) / TILES;
+}
+`;
+
 /** Density of leaves from afar relative to that of their picture. */
 const FAR_DENSITY = "1.6";
 
@@ -78,18 +93,26 @@ float leafCover(float alpha, vec2 texel, float wide, float piece) {
 
 const LEAF_MAP = /* glsl */ `
 #ifdef USE_MAP
-  #ifdef SPRAYS
-    vec2 leafUv = vMapUv + sprayShift(vMapUv, vPiece, textureSize(map, 0));
-  #else
-    vec2 leafUv = vMapUv;
+  vec2 leafUv = vMapUv;
+  float copies = 1.0;
+  #ifdef SHOOT_TILES
+    if (vPiece.z > ${COPIED_FROM.toFixed(2)} + 0.3 * fract(vPiece.x * 3.7)) {
+      copies = 2.0;
+      leafUv = shootCopy(vMapUv);
+    }
   #endif
-  vec4 leaf = textureGrad(map, leafUv, dFdx(vMapUv), dFdy(vMapUv));
+  #ifdef SPRAYS
+    leafUv += sprayShift(vMapUv, vPiece, textureSize(map, 0));
+  #endif
   vec2 texels = vec2(textureSize(map, 0));
-  vec2 right = dFdx(vMapUv) * texels;
-  vec2 down = dFdy(vMapUv) * texels;
+  vec2 right = copies * dFdx(vMapUv);
+  vec2 down = copies * dFdy(vMapUv);
+  vec4 leaf = textureGrad(map, leafUv, right, down);
+  right *= texels;
+  down *= texels;
   float area = abs(right.x * down.y - right.y * down.x) + 1e-4;
   float wide = 0.5 * (dot(right, right) + dot(down, down));
-  leaf.a = leafCover(leaf.a, vMapUv * texels, wide, vPiece.x);
+  leaf.a = leafCover(leaf.a, copies * vMapUv * texels, wide, vPiece.x);
   // A card seen edge-on is a smear of all its leaves, so fade it: 1 from the front, twice the cosine at the edge.
   leaf.a *= smoothstep(0.1, 0.5, area / wide);
   diffuseColor *= leaf;
@@ -249,7 +272,7 @@ export function patchColour(
   shader.fragmentShader = shader.fragmentShader
     .replace(
       "#include <common>",
-      `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${LEAF_COVER}${sprays}${atmosphere.declarations}`,
+      `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${LEAF_COVER}${SHOOT_COPY}${sprays}${atmosphere.declarations}`,
     )
     .replace("#include <map_fragment>", leaves ? LEAF_MAP + (moves ? UNDERSIDES : "") : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)

@@ -62,6 +62,7 @@ function colourMaterial(
       ? new MeshStandardMaterial({ ...common, roughness: 0.94, metalness: 0 })
       : new MeshLambertMaterial(common);
   if (leaves && options.smoothEdges) material.defines = { ...material.defines, CUTICLE: "" };
+  if (leaves && from.userData.shoots) material.defines = { ...material.defines, SHOOT_TILES: "" };
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
   const key = `colour-${atmosphere.key}`;
