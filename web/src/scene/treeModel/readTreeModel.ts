@@ -1,10 +1,9 @@
-/** The page's reader of meshes: a normalised GLB with what it draws in addition: trees that lack limbs, bare trees, root flares. */
+/** The page's reader of meshes: a normalised GLB with what it draws in addition: trees that lack limbs, bare trees, flares, collars. */
 
 import { hashUnit } from "galewood/random";
 import type { Components } from "galewood/trees";
 import {
   type AddedPart,
-  COMMON_KEY,
   limbsOf,
   nearRank,
   type ReadPart,
@@ -13,27 +12,13 @@ import {
   type TreeModel,
   type TreePart,
 } from "galewood/trees";
-import { BufferAttribute, BufferGeometry, type MeshStandardMaterial, type Texture } from "three";
+import { BufferAttribute, type MeshStandardMaterial, type Texture } from "three";
+import { addedWood, evenColour } from "./addedWood";
 import { bareShoots, type CardMesh } from "./bareShoots";
 import { leafSprays, SPRAY_VERTICES } from "./leafSprays";
 import { limbKeysOf, pieceKeys } from "./limbKeys";
-import { meanColour } from "./meanColour";
 import type { OpenedTree } from "./openTree";
 import { dot, type Point, plus, unit } from "./points";
-import { type FlareMesh, rootFlare } from "./rootFlare";
-
-/** The flare is drawn until a tree shows about this share of its pieces. */
-const FLARE_RANK = 0.3;
-
-/** Vertices that all have the mean of other colours. */
-function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribute | null {
-  const mean = meanColour(of);
-  if (!mean) return null;
-  return new BufferAttribute(
-    Float32Array.from({ length: 3 * vertices }, (_, i) => mean[i % 3]),
-    3,
-  );
-}
 
 /** Gives every limb its key, so that trees can lack it. */
 function assignKeys(read: readonly ReadPart[]): void {
@@ -196,56 +181,9 @@ function crownNormals({ normals, card }: OfCards, crown: BufferAttribute): Float
   return mixed;
 }
 
-/** Normals of a flare, which become those of the stem towards its top, so that no edge is seen there. */
-function flareNormals({ positions, stemNormals, share, index }: FlareMesh): Float32Array {
-  const bent = new BufferGeometry();
-  bent.setAttribute("position", new BufferAttribute(positions, 3));
-  bent.setIndex(new BufferAttribute(index, 1));
-  bent.computeVertexNormals();
-  const own = bent.getAttribute("normal").array;
-  return Float32Array.from(own, (n, i) => {
-    const left = share[Math.floor(i / 3)];
-    return left * n + (1 - left) * stemNormals[i];
-  });
-}
-
-/** The flare at the foot of the stem; none for trees whose stem has no round base. */
-function flareOf(read: readonly ReadPart[]): AddedPart[] {
-  const of = read.findIndex((one) => one.geometry.kind === "wood");
-  if (of < 0) return [];
-  const { part, geometry } = read[of];
-  const uvs = (part.uv?.array as Float32Array | undefined) ?? null;
-  const positions = part.position.array as Float32Array;
-  const normals = part.normal.array as Float32Array;
-  const flare = rootFlare({ positions, normals, uvs, index: geometry.index });
-  if (!flare) return [];
-  const vertices = flare.hold.length;
-  const piece = new Float32Array(4 * vertices);
-  const anchor = new Float32Array(4 * vertices);
-  flare.hold.forEach((v, k) => {
-    piece.set([part.piece.getX(v), part.piece.getY(v), 0, FLARE_RANK], 4 * k);
-    anchor.set([0, 0, 0, COMMON_KEY], 4 * k);
-  });
-  const ranked = rankedIndex(flare.index, () => FLARE_RANK);
-  const added: TreePart = {
-    ...part,
-    vertices,
-    normal: new BufferAttribute(flareNormals(flare), 3),
-    uv: flare.uvs && new BufferAttribute(flare.uvs, 2),
-    colour: evenColour(part.colour, vertices),
-    position: new BufferAttribute(flare.positions, 3),
-    anchor: new BufferAttribute(anchor, 4),
-    piece: new BufferAttribute(piece, 4),
-    hold: flare.hold,
-    index: new BufferAttribute(ranked.index, 1),
-    counts: ranked.counts,
-  };
-  return [{ part: added, of }];
-}
-
 /** What is known of a tree besides its file. */
 export interface TreeKind {
-  /** A built-in tree: each instance lacks some limbs, leans, and has a root flare. */
+  /** A built-in tree: each instance lacks some limbs, leans, and has a root flare and branch collars. */
   readonly varied: boolean;
   readonly evergreen: boolean;
 }
@@ -266,7 +204,7 @@ export function readTreeModel({ scene, sprays }: OpenedTree, { varied, evergreen
       bareParts ??= barePartsOf(read);
       return bareParts;
     },
-    added: varied ? flareOf(read) : [],
+    added: varied ? addedWood(read) : [],
     get near() {
       nearParts ??= ofSprays ? nearPartsOf(read, ofSprays) : [];
       return nearParts;

@@ -1,0 +1,118 @@
+/** What is drawn over the wood of a built-in tree: the flare at the foot of its stem, and the collars of its boughs. */
+import { type AddedPart, COMMON_KEY, type ReadPart, rankedIndex, type TreePart } from "galewood/trees";
+import { BufferAttribute, BufferGeometry } from "three";
+import { branchCollars } from "./collars";
+import { meanColour } from "./meanColour";
+import { type FlareMesh, rootFlare, type Wood } from "./rootFlare";
+
+/** The flare is drawn until a tree shows about this share of its pieces. */
+const FLARE_RANK = 0.3;
+/** The same of the collars: those of trees at the finest level of detail are drawn, no others. */
+const COLLAR_RANK = 0.6;
+
+/** Vertices that all have the mean of other colours. */
+export function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribute | null {
+  const mean = meanColour(of);
+  if (!mean) return null;
+  return new BufferAttribute(
+    Float32Array.from({ length: 3 * vertices }, (_, i) => mean[i % 3]),
+    3,
+  );
+}
+
+/** Normals of a flare, which become those of the stem towards its top, so that no edge is seen there. */
+function flareNormals({ positions, stemNormals, share, index }: FlareMesh): Float32Array {
+  const bent = new BufferGeometry();
+  bent.setAttribute("position", new BufferAttribute(positions, 3));
+  bent.setIndex(new BufferAttribute(index, 1));
+  bent.computeVertexNormals();
+  const own = bent.getAttribute("normal").array;
+  return Float32Array.from(own, (n, i) => {
+    const left = share[Math.floor(i / 3)];
+    return left * n + (1 - left) * stemNormals[i];
+  });
+}
+
+/** A mesh that is drawn over wood, each vertex moved by one of the wood's. */
+interface OverWood {
+  readonly positions: Float32Array;
+  readonly normals: Float32Array;
+  readonly uvs: Float32Array | null;
+  readonly index: Uint32Array;
+  readonly hold: Uint32Array;
+}
+
+/** The mesh as a part. The rest by its vertices: where they shrink to with the key of their limb, and their rank. */
+function partOver(part: TreePart, mesh: OverWood, anchor: Float32Array, ranks: ArrayLike<number>): TreePart {
+  const { positions, normals, uvs, index, hold } = mesh;
+  const vertices = hold.length;
+  const piece = new Float32Array(4 * vertices);
+  hold.forEach((v, k) => {
+    piece.set([part.piece.getX(v), part.piece.getY(v), 0, ranks[k]], 4 * k);
+  });
+  const ranked = rankedIndex(index, (k) => ranks[k]);
+  return {
+    ...part,
+    vertices,
+    normal: new BufferAttribute(normals, 3),
+    uv: uvs && new BufferAttribute(uvs, 2),
+    colour: evenColour(part.colour, vertices),
+    position: new BufferAttribute(positions, 3),
+    anchor: new BufferAttribute(anchor, 4),
+    piece: new BufferAttribute(piece, 4),
+    hold,
+    index: new BufferAttribute(ranked.index, 1),
+    counts: ranked.counts,
+  };
+}
+
+/** Two meshes as one, which takes one draw call; both or none have a texture. */
+function together(a: OverWood, b: OverWood): OverWood {
+  const first = a.hold.length;
+  return {
+    positions: Float32Array.of(...a.positions, ...b.positions),
+    normals: Float32Array.of(...a.normals, ...b.normals),
+    uvs: a.uvs && b.uvs && Float32Array.of(...a.uvs, ...b.uvs),
+    index: Uint32Array.of(...a.index, ...b.index.map((v) => first + v)),
+    hold: Uint32Array.of(...a.hold, ...b.hold),
+  };
+}
+
+const EMPTY: OverWood = {
+  positions: new Float32Array(0),
+  normals: new Float32Array(0),
+  uvs: new Float32Array(0),
+  index: new Uint32Array(0),
+  hold: new Uint32Array(0),
+};
+
+/** Flare and collars of a tree; none where the stem has no round base or the branches are no tubes. */
+export function addedWood(read: readonly ReadPart[]): AddedPart[] {
+  const of = read.findIndex((one) => one.geometry.kind === "wood");
+  if (of < 0) return [];
+  const { part, geometry } = read[of];
+  const wood: Wood = {
+    positions: part.position.array as Float32Array,
+    normals: part.normal.array as Float32Array,
+    uvs: (part.uv?.array as Float32Array | undefined) ?? null,
+    index: geometry.index,
+  };
+  const flare = rootFlare(wood);
+  const collars = branchCollars(wood, geometry.pieces.ofVertex);
+  if (!flare && !collars) return [];
+  const foot: OverWood = flare ? { ...flare, normals: flareNormals(flare) } : EMPTY;
+  const mesh = together(foot, collars ?? { ...EMPTY, uvs: foot.uvs && EMPTY.uvs });
+  const ranks = new Float32Array(mesh.hold.length).fill(FLARE_RANK);
+  const anchor = new Float32Array(4 * mesh.hold.length);
+  const ofWood = part.anchor.array as Float32Array;
+  mesh.hold.forEach((v, k) => {
+    if (k < foot.hold.length) {
+      anchor[4 * k + 3] = COMMON_KEY;
+      return;
+    }
+    // A collar shrinks with its bough, and earlier than most.
+    anchor.set(ofWood.subarray(4 * v, 4 * v + 4), 4 * k);
+    ranks[k] = Math.max(COLLAR_RANK, part.piece.getW(v));
+  });
+  return [{ part: partOver(part, mesh, anchor, ranks), of }];
+}
