@@ -42,13 +42,22 @@ interface OverWood {
   readonly hold: Uint32Array;
 }
 
-/** The mesh as a part. The rest by its vertices: where they shrink to with the key of their limb, and their rank. */
-function partOver(part: TreePart, mesh: OverWood, anchor: Float32Array, ranks: ArrayLike<number>): TreePart {
+/**
+ * The mesh as a part. The rest by its vertices: where they shrink to with the key of their limb, their rank, and the soil on them,
+ * which takes the place of the freedom to flutter that wood does not have.
+ */
+function partOver(
+  part: TreePart,
+  mesh: OverWood,
+  anchor: Float32Array,
+  ranks: ArrayLike<number>,
+  soil: ArrayLike<number>,
+): TreePart {
   const { positions, normals, uvs, index, hold } = mesh;
   const vertices = hold.length;
   const piece = new Float32Array(4 * vertices);
   hold.forEach((v, k) => {
-    piece.set([part.piece.getX(v), part.piece.getY(v), 0, ranks[k]], 4 * k);
+    piece.set([part.piece.getX(v), part.piece.getY(v), soil[k], ranks[k]], 4 * k);
   });
   const ranked = rankedIndex(index, (k) => ranks[k]);
   return {
@@ -78,7 +87,7 @@ function together(a: OverWood, b: OverWood): OverWood {
   };
 }
 
-const EMPTY: OverWood = {
+const NO_MESH: OverWood = {
   positions: new Float32Array(0),
   normals: new Float32Array(0),
   uvs: new Float32Array(0),
@@ -100,9 +109,11 @@ export function addedWood(read: readonly ReadPart[]): AddedPart[] {
   const flare = rootFlare(wood);
   const collars = branchCollars(wood, geometry.pieces.ofVertex);
   if (!flare && !collars) return [];
-  const foot: OverWood = flare ? { ...flare, normals: flareNormals(flare) } : EMPTY;
-  const mesh = together(foot, collars ?? { ...EMPTY, uvs: foot.uvs && EMPTY.uvs });
+  const foot: OverWood = flare ? { ...flare, normals: flareNormals(flare) } : NO_MESH;
+  const mesh = together(foot, collars ?? { ...NO_MESH, uvs: foot.uvs && NO_MESH.uvs });
   const ranks = new Float32Array(mesh.hold.length).fill(FLARE_RANK);
+  const soil = new Float32Array(mesh.hold.length);
+  soil.set(flare?.soil ?? []);
   const anchor = new Float32Array(4 * mesh.hold.length);
   const ofWood = part.anchor.array as Float32Array;
   mesh.hold.forEach((v, k) => {
@@ -114,5 +125,5 @@ export function addedWood(read: readonly ReadPart[]): AddedPart[] {
     anchor.set(ofWood.subarray(4 * v, 4 * v + 4), 4 * k);
     ranks[k] = Math.max(COLLAR_RANK, part.piece.getW(v));
   });
-  return [{ part: partOver(part, mesh, anchor, ranks), of }];
+  return [{ part: partOver(part, mesh, anchor, ranks, soil), of }];
 }

@@ -19,6 +19,8 @@ export interface FlareMesh {
   readonly stemNormals: Float32Array;
   /** Of each vertex: 1 at the ground, 0 at the top, where the flare is the stem again. */
   readonly share: Float32Array;
+  /** Of each vertex: soil on the bark, 1 at the ground and below 0 where none reaches; linear in the height. */
+  readonly soil: Float32Array;
   readonly uvs: Float32Array | null;
   readonly index: Uint32Array;
   /** Of each vertex: the vertex of the stem that moves it. */
@@ -37,6 +39,8 @@ const FADE_HEIGHT = 0.75;
 const CUT_SHARES = [0.08, 0.2, 0.36, 0.58] as const;
 /** How far the flare reaches below the ground, m. */
 const SUNK_M = 0.3;
+/** Soil and wet litter reach so high up the bark, relative to the stem's radius. */
+const SOIL_HEIGHT = 1.3;
 /** Thickness that it keeps outside of the stem at the top, relative to the radius: too little to be seen. */
 const CLEAR_SHARE = 0.002;
 /** The stem is within so many radii of its axis. */
@@ -155,6 +159,7 @@ function joined(triangles: readonly Triangle[], { uvs }: Wood, low_m: number, ra
   const positions: number[] = [];
   const stemNormals: number[] = [];
   const shares: number[] = [];
+  const soils: number[] = [];
   const textures: number[] = [];
   const hold: number[] = [];
   const index = triangles.flat().map(({ place: [x, y, z], normal, uv, hold: held }) => {
@@ -162,7 +167,9 @@ function joined(triangles: readonly Triangle[], { uvs }: Wood, low_m: number, ra
     const before = known.get(key);
     if (before !== undefined) return before;
     const factor = flareFactor(Math.atan2(z, x), (y - low_m) / radius_m);
-    positions.push(factor * x, y < low_m + BASE_M ? y - SUNK_M : y, factor * z);
+    const drawn_m = y < low_m + BASE_M ? y - SUNK_M : y;
+    positions.push(factor * x, drawn_m, factor * z);
+    soils.push(1 - (drawn_m - low_m) / (SOIL_HEIGHT * radius_m));
     stemNormals.push(...normal);
     shares.push(shareAt((y - low_m) / radius_m));
     textures.push(...uv);
@@ -174,6 +181,7 @@ function joined(triangles: readonly Triangle[], { uvs }: Wood, low_m: number, ra
     positions: Float32Array.from(positions),
     stemNormals: Float32Array.from(stemNormals),
     share: Float32Array.from(shares),
+    soil: Float32Array.from(soils),
     uvs: uvs && Float32Array.from(textures),
     index: Uint32Array.from(index),
     hold: Uint32Array.from(hold),

@@ -152,10 +152,27 @@ vec3 underside = ${UNDERSIDE_LIGHTNESS} * mix(diffuseColor.rgb, vec3(dot(diffuse
 diffuseColor.rgb = mix(diffuseColor.rgb, underside, under);
 `;
 
+/** Colour of soil and wet litter on the foot of a stem, linear light (by eye, between dark soil and leaf litter). */
+const SOIL_RGB = "vec3(0.075, 0.042, 0.018)";
+
+/**
+ * Bark. The third number of its piece is the soil on it, up to 1 and more at the ground (addedWood.ts): there the bark takes the
+ * colour of the ground with a ragged edge, so that the line in which a polygon meets the ground is not seen.
+ */
 const WOOD_MAP = /* glsl */ `
 #include <map_fragment>
 // Darken pale bark, which would be white in sunlight.
 diffuseColor.rgb *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * diffuseColor.g);
+if (vPiece.z > 0.0) {
+  #ifdef USE_MAP
+    vec2 spot = vMapUv;
+  #else
+    vec2 spot = vec2(0.0);
+  #endif
+  float rough = 0.6 * sin(17.0 * spot.x + 3.0 * sin(31.0 * spot.y)) + 0.4 * sin(83.0 * spot.x - 97.0 * spot.y + 4.0 * sin(29.0 * spot.x));
+  float soil = smoothstep(0.1, 1.05, vPiece.z + 0.09 * rough);
+  diffuseColor.rgb = mix(diffuseColor.rgb, ${SOIL_RGB} * (0.9 + 1.2 * diffuseColor.g + 0.3 * rough), 0.93 * soil);
+}
 `;
 
 /** Distances (m) up to which bark has its whole relief, and from which on it has none and its picture is not read. */
