@@ -19,7 +19,13 @@ const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
 const LOWEST_SHADOW = 0.06;
 /** Share of the light reflected by the ground that reaches the trees from below. */
 const GROUND_REFLECTION = 0.5;
-const GROUND_ALBEDO = { bare: [0.13, 0.105, 0.055], snow: [0.7, 0.74, 0.8] } as const;
+/** Linear light: grass, moss and herbs in spring and summer, fallen leaves in autumn. */
+const GROUND_ALBEDO: Record<Season, Rgb> = {
+  spring: [0.095, 0.115, 0.05],
+  summer: [0.085, 0.11, 0.045],
+  autumn: [0.13, 0.105, 0.055],
+  winter: [0.7, 0.74, 0.8],
+};
 /** Gain of the sky light for multiple scattering among leaves and twigs. */
 const SKY_GAIN = 1.35;
 
@@ -65,7 +71,7 @@ export class Daylight {
   /** Hemisphere light: sky above, ground below. */
   private fillIn({ sunlight, skylight, sun }: Atmosphere, season: Season): void {
     const level = Math.max(0, Math.sin((sun.elevation_deg * Math.PI) / 180));
-    const albedo = SEASON_LOOKS[season].snow > 0 ? GROUND_ALBEDO.snow : GROUND_ALBEDO.bare;
+    const albedo = GROUND_ALBEDO[season];
     const up = (c: 0 | 1 | 2) => albedo[c] * (GROUND_REFLECTION * sunlight[c] * level + skylight[c]);
     this.sky.color.setRGB(SKY_GAIN * skylight[0], SKY_GAIN * skylight[1], SKY_GAIN * skylight[2]);
     this.sky.groundColor.setRGB(up(0), up(1), up(2));

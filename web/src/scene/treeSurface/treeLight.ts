@@ -32,6 +32,7 @@ uniform float uSnow;
 uniform vec3 uSnowColour;
 uniform vec3 uSunColour;
 uniform vec3 uSkyColour;
+uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
 `;
@@ -130,7 +131,7 @@ float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
 diffuseColor.rgb = mix(diffuseColor.rgb, 0.87 * vTint.rgb * mix(vec3(1.0), own, 0.85), vTint.a);
 // Cards differ in lightness and hue: some yellower, some bluer.
 diffuseColor.rgb *= 0.82 + 0.36 * vPiece.x;
-diffuseColor.rgb *= mix(vec3(1.09, 1.01, 0.8), vec3(0.92, 1.02, 1.05), fract(vPiece.x * 7.31));
+diffuseColor.rgb *= mix(vec3(1.05, 1.01, 0.85), vec3(0.92, 1.02, 1.05), fract(vPiece.x * 7.31));
 `;
 
 /**
@@ -220,6 +221,13 @@ vec3 nonPerturbedNormal = normal;
 `;
 
 /**
+ * Light of the sky on stems, by eye: the leaves around a stem keep the sky's blue from it. And the sky is brighter near the sun, which
+ * models a stem in shade: without the sun itself, a wall that faces it gets about 1.7 times as much as one that turns from it.
+ */
+const STEM_SKY_RGB = "vec3(1.02, 0.93, 0.72)";
+const STEM_SKY_SIDED = 0.26;
+
+/**
  * Light inside a crown, where neither the shadow map nor the hemisphere light know how much reaches a leaf: part of the
  * sky is visible everywhere, and sunlight is scattered on from leaf to leaf, most on the sunny side.
  */
@@ -234,7 +242,15 @@ float crownGaps(float high) {
 }
 /** Irradiance by sunlight that other leaves scattered; facing: cosine between the crown's normal and the sun. */
 vec3 crownGlow(vec3 sun, float open, float facing) {
-  return sun * vec3(0.8, 1.0, 0.5) * (0.045 + 0.085 * smoothstep(-1.0, 0.7, facing)) * (0.5 + 0.5 * open);
+  return sun * vec3(0.7, 1.0, 0.5) * (0.045 + 0.085 * smoothstep(-1.0, 0.7, facing)) * (0.5 + 0.5 * open);
+}
+/** Factor of the sky light on wood; facing: cosine between its normal and the sun. */
+vec3 stemSky(float inLeaf, float facing) {
+  return mix(vec3(1.0), ${STEM_SKY_RGB}, inLeaf) * (1.0 + ${STEM_SKY_SIDED} * facing);
+}
+/** Light that passes a leaf over light that it reflects: a green leaf passes more green and less red and blue, a red or yellow one its red. */
+vec3 passedColour(vec3 leaf) {
+  return mix(vec3(1.12, 1.0, 0.5), vec3(0.95, 1.08, 0.4), smoothstep(0.0, 0.3, 1.0 - leaf.r / max(leaf.g, 1e-4)));
 }
 `;
 
@@ -251,10 +267,10 @@ reflectedLight.indirectDiffuse += leafTint * gaps * crownGlow(uSunColour, vPiece
 // Through the leaf: the sun, of which some passes between the leaves that a shadow map merges, and the sky above it.
 float through = pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0);
 float behind = saturate(0.45 - 0.55 * facingSun);
-float beneath = saturate(-dot(geometryViewDir, skyward_));
+float beneath = saturate(0.2 - 0.8 * dot(geometryViewDir, skyward_)); // leaves face all ways
 vec3 passed = mix(directLight.color, uSunColour, 0.22 * gaps) * (0.35 + 0.65 * vPiece.y) * (0.6 * through + 0.34 * behind)
-  + uSkyColour * crownSky(vPiece.y) * 0.5 * beneath;
-reflectedLight.directDiffuse += leafTint * passed * vec3(1.12, 1.0, 0.5);
+  + uSkyColour * crownSky(vPiece.y) * 0.7 * beneath;
+reflectedLight.directDiffuse += leafTint * passed * passedColour(diffuseColor.rgb);
 #if defined(CUTICLE) && defined(USE_MAP)
   // Fresnel reflection of a waxy leaf (refractive index about 1.45), smoother on some leaves than on others.
   float gloss = mix(9.0, 48.0, fract(vPiece.x * 13.7)) * (0.4 + 0.6 * close);
@@ -271,7 +287,7 @@ reflectedLight.directDiffuse += leafTint * passed * vec3(1.12, 1.0, 0.5);
 
 const WOOD_LIGHT = /* glsl */ `
 #include <lights_fragment_end>
-reflectedLight.indirectDiffuse *= crownSky(vPiece.y);
+reflectedLight.indirectDiffuse *= crownSky(vPiece.y) * stemSky(uLeafShare, dot(geometryNormal, directLight.direction));
 reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * 0.7
   * crownGaps(dot(directLight.direction, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz))
   * crownGlow(uSunColour, vPiece.y, dot(geometryNormal, directLight.direction));
