@@ -15,7 +15,14 @@ export interface Individual {
   seed: number;
   /** Height of the topmost leaf, m. */
   height_m: number;
-  /** Diameter of the stem at breast height, cm. */
+  /** Diameter of the stem at breast height, cm; without it: in proportion to the height. */
+  dbh_cm?: number | null;
+  /** Whether a size that the species cannot have becomes the nearest one; otherwise it is refused. */
+  nearest_size?: boolean;
+}
+
+/** An individual whose size is known, and one that its species can have. */
+interface SizedIndividual extends Individual {
   dbh_cm: number;
 }
 
@@ -43,8 +50,8 @@ export function builtinOf({ species, form }: Pick<Individual, "species" | "form"
 /** Grows an individual: the same values give the same tree. Throws a RangeError with a sentence for people. */
 export function growIndividual(individual: Individual): GrownTree {
   const builtin = builtinOf(individual);
-  checkSize(builtin, individual);
-  return growTree(scaled(builtin, individual), (species, grown) => ofGirth(species, grown, individual));
+  const sized = ofPossibleSize(builtin, individual);
+  return growTree(scaled(builtin, sized), (species, grown) => ofGirth(species, grown, sized));
 }
 
 /** Diameter of the stem of a grown tree at breast height, m. */
@@ -59,28 +66,34 @@ export function breastDiameter(nodes: readonly SkeletonNode[]): number {
   return 2 * (low.radius + (high.radius - low.radius) * share);
 }
 
-function checkSize(builtin: Species, { seed, height_m, dbh_cm }: Individual): void {
+function ofPossibleSize(builtin: Species, individual: Individual): SizedIndividual {
+  const { seed } = individual;
   if (!Number.isInteger(seed) || seed < 0 || seed >= 2 ** 32)
     throw new RangeError(`The seed is ${seed}: choose a whole number from 0 to ${2 ** 32 - 1}`);
   const [low_m, high_m] = HEIGHT_RANGE.map((share) => share * builtin.height_m);
+  const within = (value: number, low: number, high: number): number =>
+    individual.nearest_size ? Math.min(high, Math.max(low, value)) : value;
+  const height_m = within(individual.height_m, low_m, high_m);
   if (!(height_m >= low_m && height_m <= high_m))
     throw new RangeError(
       `A height of ${height_m} m is out of range for ${builtin.name}: choose ${low_m.toFixed(1)} to ${high_m.toFixed(1)} m`,
     );
   const usual_cm = 200 * builtin.girth.breast_radius_m * (height_m / builtin.height_m);
   const [low_cm, high_cm] = GIRTH_RANGE.map((share) => share * usual_cm);
+  const dbh_cm = within(individual.dbh_cm ?? usual_cm, low_cm, high_cm);
   if (!(dbh_cm >= low_cm && dbh_cm <= high_cm))
     throw new RangeError(
       `A diameter of ${dbh_cm} cm is out of range for ${builtin.name} of ${height_m} m: ` +
         `choose ${low_cm.toFixed(1)} to ${high_cm.toFixed(1)} cm`,
     );
+  return { ...individual, height_m, dbh_cm };
 }
 
 /**
  * The species in the size of an individual. Lengths of the wood follow the height, radii the girth. Leaves and shoots
  * change less: half of what the crown grows by is more of them.
  */
-function scaled(builtin: Species, { seed, height_m, dbh_cm }: Individual): Species {
+function scaled(builtin: Species, { seed, height_m, dbh_cm }: SizedIndividual): Species {
   const tall = height_m / builtin.height_m;
   const thick = dbh_cm / (200 * builtin.girth.breast_radius_m);
   const { girth, twigs, foliage } = builtin;
@@ -111,7 +124,7 @@ function scaled(builtin: Species, { seed, height_m, dbh_cm }: Individual): Speci
 }
 
 /** The species with its stem corrected by what the flare of its foot and its sections add at breast height. */
-function ofGirth(species: Species, { nodes }: GrownTree, { dbh_cm }: Individual): Species {
+function ofGirth(species: Species, { nodes }: GrownTree, { dbh_cm }: SizedIndividual): Species {
   const { girth } = species;
   const factor = dbh_cm / 100 / breastDiameter(nodes);
   return { ...species, girth: { ...girth, breast_radius_m: factor * girth.breast_radius_m } };

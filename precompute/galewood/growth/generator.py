@@ -55,12 +55,7 @@ def grow_files(
     species is none of the built-in ones, cannot have this size, or Node is missing, fails or exceeds the time
     limit.
     """
-    node = shutil.which("node")
-    if node is None:
-        raise GrowthError(f"Trees are grown by Node, which was not found. {NEED_NODE}.")
-    generator = data_folder("grower", "tools/species/dist") / GENERATOR_FILE
-    if not generator.is_file():
-        raise GrowthError(f"The generator of trees is missing ({generator}): `make build` makes it.")
+    node, generator = find_generator()
     document = {**request.model_dump(), "species": species, "pictures": str(_pictures(species, request))}
     with tempfile.TemporaryDirectory(prefix="galewood-") as name:
         folder = Path(name)
@@ -71,6 +66,17 @@ def grow_files(
         if code != 0:
             raise GrowthError(f"Node ended with code {code}. {NEED_NODE}. It said: {said}")
         return GrownFiles((folder / "tree.glb").read_bytes(), (folder / "skeleton.json").read_bytes())
+
+
+def find_generator() -> tuple[str, Path]:
+    """Node, and the program that it runs. Raises GrowthError if one of them is missing."""
+    node = shutil.which("node")
+    if node is None:
+        raise GrowthError(f"Trees are grown by Node, which was not found. {NEED_NODE}.")
+    generator = data_folder("grower", "tools/species/dist") / GENERATOR_FILE
+    if not generator.is_file():
+        raise GrowthError(f"The generator of trees is missing ({generator}): `make build` makes it.")
+    return node, generator
 
 
 def _pictures(species: str, request: IndividualRequest) -> Path:

@@ -22,9 +22,16 @@ class IndividualRequest(BaseModel):
 
     seed: int = Field(ge=0, le=MAX_SEED, description="The branches follow from this whole number.")
     height_m: float = Field(gt=0, allow_inf_nan=False, description="Height of the topmost leaf, m.")
-    dbh_cm: float = Field(
-        gt=0, allow_inf_nan=False, description="Diameter of the stem at breast height (1.3 m), cm."
+    dbh_cm: float | None = Field(
+        default=None,
+        gt=0,
+        allow_inf_nan=False,
+        description="Diameter of the stem at breast height (1.3 m), cm; default: in proportion to height.",
     )
     form: GrownForm = Field(
         default="open", description="Grown in the open, or in a closed forest: slender with a high crown."
+    )
+    nearest_size: bool = Field(
+        default=False,
+        description="Take the nearest size that the species can have; otherwise other sizes are refused.",
     )

@@ -123,3 +123,17 @@ def test_the_command_writes_the_mesh_and_refuses_in_words(tmp_path: Path) -> Non
     result = CliRunner().invoke(app, ["grow", "oak", *options, "--out", str(out)])
     assert result.exit_code == 1
     assert "choose 6.4 to 25.6 m" in " ".join(result.output.split())
+
+
+def test_the_nearest_size_is_taken_if_that_is_wanted() -> None:
+    tall = IndividualRequest(seed=11, height_m=60, dbh_cm=500, nearest_size=True)
+    most = IndividualRequest(seed=11, height_m=25.6, dbh_cm=115.328)  # 1.6 and 1.7 times what is usual
+    assert grow_files("oak", tall).glb == grow_files("oak", most).glb
+    individual = galewood.grow("oak", seed=11, height_m=60, nearest_size=True)
+    assert individual.tree.height_m == pytest.approx(25.6, rel=2e-3)
+    assert galewood.regrow(individual.document()).glb == individual.glb
+
+
+def test_without_a_diameter_it_is_in_proportion_to_the_height() -> None:
+    given = IndividualRequest(seed=11, height_m=12, dbh_cm=31.8)  # 42.4 cm at 16 m
+    assert grow_files("oak", given).glb == grow_files("oak", given.model_copy(update={"dbh_cm": None})).glb

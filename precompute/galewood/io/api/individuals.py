@@ -4,26 +4,26 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from galewood.growth import GrownSkeleton, GrowthError, grow_files, read_skeleton
 from galewood.io.api.keywords import with_keywords_of
 from galewood.io.api.tables import MotionTable
 from galewood.io.api.trees import Tree
-from galewood.options import ImportRequest, IndividualRequest
-from galewood.pipeline.individuals import SpeciesMotion, individual_table, motion_of_document, shipped_motion
-from galewood.pipeline.tables import BuildOptions
-from galewood.table import encode
-from galewood.threads import single_threaded
-from galewood.tree import read_tree, render_glb
+from galewood.options import IndividualRequest
+from galewood.pipeline.individuals import (
+    GrownMesh,
+    IndividualDocument,
+    SpeciesMotion,
+    document_of,
+    quick_motion,
+    read_document,
+    read_grown,
+)
 from galewood.util import write_atomically
-
-DOCUMENT_FORMAT, DOCUMENT_VERSION = "galewood-individual", 1
 
 
 class GrowCall(IndividualRequest):
@@ -48,37 +48,30 @@ class Individual:
     @property
     def name(self) -> str:
         """Species, form and seed, such as oak-forest-7."""
-        form = "" if self.request.form == "open" else f"-{self.request.form}"
-        return f"{self.species}{form}-{self.request.seed}"
+        return self._document.name
+
+    @property
+    def _document(self) -> IndividualDocument:
+        return IndividualDocument(self.species, self.request, self.motion)
 
     @cached_property
     def tree(self) -> Tree:
         """The tree as an import reads its mesh, for ``galewood.build`` and all that takes a ``Tree``."""
-        options = ImportRequest(species=self.species, height_m=self.request.height_m)
-        mesh = read_tree(self.glb, f"{self.name}.glb", options)
-        return Tree(mesh, render_glb(mesh), self.name)
+        grown = read_grown(self._document, self.glb)
+        return Tree(grown.tree, grown.render_glb, self.name)
 
-    @single_threaded
     def table(self) -> MotionTable:
         """Its motion in leaf, within seconds: its own beams, and the nonlinear force of its species.
 
         ``galewood.build(individual.tree)`` takes a minute and simulates it instead.
         """
-        options = BuildOptions(species=self.species, height_m=self.request.height_m, stiffness="as drawn")
-        table = individual_table(self.tree.mesh, self.motion, options, self.tree.render_glb)
-        report = {"individual": json.loads(self.document()), "drawn": table.metadata.get("drawn", {})}
-        return MotionTable(encode(table), self.tree.render_glb, report, name=self.name)
+        tree = self.tree
+        data, report = quick_motion(self._document, GrownMesh(tree.mesh, tree.render_glb))
+        return MotionTable(data, tree.render_glb, report, name=self.name)
 
     def document(self) -> bytes:
         """All that is needed to grow it again, with the same table, as JSON of some hundred bytes."""
-        values: dict[str, Any] = {
-            "format": DOCUMENT_FORMAT,
-            "version": DOCUMENT_VERSION,
-            "species": self.species,
-            **self.request.model_dump(),
-            "motion": asdict(self.motion),
-        }
-        return (json.dumps(values, separators=(",", ":")) + "\n").encode()
+        return self._document.encoded()
 
     def save(self, path: str | Path) -> None:
         """Write the mesh. OSError."""
@@ -94,8 +87,9 @@ def grow(species: str, options: GrowCall) -> Individual:
     Args:
         species: One of the built-in species, such as "oak".
         options: ``seed``, from which the branches follow, ``height_m`` and ``dbh_cm``, the diameter at breast
-            height; ``form``, "open" (default) or "forest". A function ``wanted`` is asked ten times a second
-            whether to go on.
+            height (default: in proportion to the height); ``form``, "open" (default) or "forest";
+            ``nearest_size`` takes the nearest size that the species can have. A function ``wanted`` is asked
+            ten times a second whether to go on.
 
     Raises:
         GrowthError: The species is unknown or cannot have this size, or Node is missing or fails.
@@ -104,7 +98,7 @@ def grow(species: str, options: GrowCall) -> Individual:
     """
     request = IndividualRequest.model_validate(options.model_dump(exclude={"wanted"}))
     files = grow_files(species, request, wanted=options.wanted or (lambda: True))
-    motion = shipped_motion(species, request.form)
+    motion = document_of(species, request).motion
     return Individual(species, request, motion, files.glb, read_skeleton(files.skeleton))
 
 
@@ -115,14 +109,8 @@ def regrow(document: bytes | str) -> Individual:
         GrowthError: The document is not that of an individual; or as ``grow``.
     """
     try:
-        values = json.loads(document)
-        if (values.pop("format"), values.pop("version")) != (DOCUMENT_FORMAT, DOCUMENT_VERSION):
-            raise ValueError("another format or version")
-        species, motion = str(values.pop("species")), motion_of_document(values.pop("motion"))
-        request = IndividualRequest.model_validate(values)
-    except KeyError as error:
-        raise GrowthError(f"Not the document of an individual: it lacks {error}") from None
-    except (AttributeError, TypeError, ValueError) as error:
-        raise GrowthError(f"Not the document of an individual: {error}") from None
-    files = grow_files(species, request)
-    return Individual(species, request, motion, files.glb, read_skeleton(files.skeleton))
+        known = read_document(document)
+    except ValueError as error:
+        raise GrowthError(str(error)) from None
+    files = grow_files(known.species, known.request)
+    return Individual(known.species, known.request, known.motion, files.glb, read_skeleton(files.skeleton))
