@@ -14,6 +14,7 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 PACKAGE = Path(__file__).resolve().parent
 BYTES_PER_MEBIBYTE = 1024 * 1024
+MOST_INDIVIDUALS = 4
 LARGEST_FOREST, TREES_PER_CORE = 20_000, 12_000
 """A step and a frame of 20,000 trees take 28 ms of a core (measured), and there are 30 per second."""
 
@@ -21,6 +22,11 @@ LARGEST_FOREST, TREES_PER_CORE = 20_000, 12_000
 def default_workers() -> int:
     """Number of simulation worker processes: one per core, at least one."""
     return max(1, os.cpu_count() or 1)
+
+
+def default_individuals() -> int:
+    """Trees that are grown at once: each takes one core for some seconds, and 0.4 GB."""
+    return min(MOST_INDIVIDUALS, default_workers())
 
 
 def default_server_trees() -> int:
@@ -46,6 +52,7 @@ class Settings(BaseSettings):
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)
     concurrent_jobs: int = Field(default=1, ge=1, le=64)
+    concurrent_individuals: int = Field(default_factory=default_individuals, ge=1, le=64)
     concurrent_analyses: int = Field(default=1, ge=1, le=64)
     concurrent_evaluations: int = Field(default=1, ge=1, le=64)
     lease_s: float = Field(default=15.0, ge=1, le=3600)
@@ -170,6 +177,10 @@ class Settings(BaseSettings):
     def cancel_flag(self, job_id: str) -> Path:
         """The file whose existence tells the workers that a job was cancelled."""
         return self.cache_dir / "cancelled" / job_id
+
+    def light_copy(self, mesh_sha256: str) -> Path:
+        """The light copy of the render mesh of an individual, on the server that has grown it."""
+        return self.cache_dir / "light" / f"{mesh_sha256}.glb"
 
     @property
     def analyses_dir(self) -> Path:

@@ -30,7 +30,7 @@ from galewood_server.http import (
     rows_after,
 )
 from galewood_server.jobs import find_job, fingerprint, queue_job, request_cancel
-from galewood_server.storage import JOB_FIELDS, Job, JobState, RawRow, Tree, job_rows
+from galewood_server.storage import JOB_FIELDS, TABLE_JOBS, Job, JobKind, JobState, RawRow, Tree, job_rows
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
 ORDER_COLUMNS = (Job.created_at, Job.id)
@@ -55,7 +55,7 @@ def list_jobs(request: Request, service: ServiceDep, query: Annotated[JobQuery, 
     """A page of the build jobs, newest first."""
     conditions = [Job.state == query.state] if query.state else []
     conditions += [Job.tree_id == query.tree_id] if query.tree_id else []
-    count = select(func.count(Job.id)).where(Job.kind == "build", *conditions)
+    count = select(func.count(Job.id)).where(Job.kind.in_(TABLE_JOBS), *conditions)
     if query.after:
         conditions.append(rows_after(ORDER_COLUMNS, _sort_key(query.after), descending=True))
     with service.sessions() as session:
@@ -93,20 +93,22 @@ def start_job(body: JobRequest, service: ServiceDep, response: Response) -> JobO
     return out
 
 
-def start_build(service: Service, tree_id: str, settings: dict[str, Any]) -> tuple[JobOut, bool]:
-    """Queue a build unless the identical table exists. Returns the job and whether it is new.
+def start_build(
+    service: Service, tree_id: str, settings: dict[str, Any], kind: JobKind = "build"
+) -> tuple[JobOut, bool]:
+    """Queue a job of TABLE_JOBS unless the identical table exists. Returns the job and whether it is new.
 
     ProblemError 404, 409.
     """
     with service.sessions.begin() as session:
         tree = find_tree(session, tree_id)
-        existing = _existing_build(service, tree, settings)
-        out = job_out(existing or queue_job(session, tree, settings))
+        existing = existing_build(service, tree, settings)
+        out = job_out(existing or queue_job(session, tree, settings, kind))
     service.wake_supervisor()
     return out, existing is None
 
 
-def _existing_build(service: Service, tree: Tree, settings: dict[str, Any]) -> Job | None:
+def existing_build(service: Service, tree: Tree, settings: dict[str, Any]) -> Job | None:
     """The job that computed the current table, if a new build would give the same table.
 
     It may still be computing the paper's records or the bare table.
@@ -133,8 +135,8 @@ def retry_job(job_id: str, service: ServiceDep, response: Response) -> JobOut:
     """Queue a failed or cancelled job again with its settings; it resumes from stored results."""
     with service.sessions() as session:
         job = find_job(session, job_id)
-        tree_id, settings = job.tree_id, job.settings
-    out, new = start_build(service, tree_id, settings)
+        tree_id, settings, kind = job.tree_id, job.settings, job.kind
+    out, new = start_build(service, tree_id, settings, kind)
     response.status_code = 202 if new else 200
     response.headers["Location"] = f"/api/jobs/{out.id}"
     return out

@@ -20,14 +20,14 @@ from galewood_server.api import (
 )
 from galewood_server.api.analyses import comparisons, evaluations
 from galewood_server.api.files import artefacts, job_pictures, light_meshes, structures, tables, thumbnails
-from galewood_server.api.uploads import pieces, revisions, upload
+from galewood_server.api.uploads import individuals, pieces, revisions, upload
 from galewood_server.http import with_head_routes
 
 ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
-        upload, trees, revisions, pieces, thumbnails, structures, tree_strain, exports, jobs, job_pictures,
-        comparisons, evaluations, tables, artefacts, light_meshes, wood_species, winds, conversions,
-        stand_risks, events, socket, health, metrics,
+        upload, individuals, trees, revisions, pieces, thumbnails, structures, tree_strain, exports, jobs,
+        job_pictures, comparisons, evaluations, tables, artefacts, light_meshes, wood_species, winds,
+        conversions, stand_risks, events, socket, health, metrics,
     )
 )  # fmt: skip

@@ -159,6 +159,9 @@ def _remove_files(session: Session, service: Service, files: dict[str, str]) -> 
         (service.stores.compliances, "compliance_sha256", (Tree.compliance_sha256,)),
     ):
         remove_unshared(session, store, columns, files.get(name))
+    mesh_sha256 = files.get("mesh_sha256")
+    if mesh_sha256 and not service.stores.meshes.has(mesh_sha256):
+        service.settings.light_copy(mesh_sha256).unlink(missing_ok=True)
 
 
 def remove_unshared(
@@ -168,6 +171,13 @@ def remove_unshared(
     named = or_(*(column == sha256 for column in columns))
     if sha256 and not session.scalars(select(Tree.id).where(named)).first():
         store.remove(sha256)
+
+
+def check_from_file(tree: Tree) -> None:
+    """Raise ProblemError 403 for an individual: it has no file that could be imported with other options."""
+    if tree.grown:
+        hint = "Ask for another one (POST /api/individuals)."
+        raise ProblemError(403, "grown-tree", "This tree was grown by the service", hint=hint)
 
 
 def find_tree(session: Session, tree_id: str) -> Tree:

@@ -62,9 +62,14 @@ async def queue_outdated_uploads(service: Service) -> None:
 
 
 def _queue_outdated_uploads(service: Service) -> None:
-    """Queue builds of uploads whose fingerprint has changed, with their last settings."""
+    """Queue builds of uploads whose fingerprint has changed, with their last settings.
+
+    Individuals keep their table: whoever asks for one again gets it anew.
+    """
     with service.sessions.begin() as session:
-        for tree in readable_rows(session, Tree, Tree.builtin.is_(False), Tree.fingerprint.is_not(None)):
+        for tree in readable_rows(
+            session, Tree, Tree.builtin.is_(False), Tree.grown.is_(False), Tree.fingerprint.is_not(None)
+        ):
             done = [job for job in tree.jobs if job.kind == "build" and job.state == "done"]
             settings = done[-1].settings if done else {}
             stale = tree.fingerprint != fingerprint(tree.source_sha256, tree.options, settings)

@@ -183,7 +183,7 @@ def _partial_files(settings: Settings, repair: bool) -> Iterator[Finding]:
 
 
 def _remove_stale_copies(settings: Settings, stores: Stores, repair: bool) -> None:
-    """Remove compressed copies and thumbnails of files that no longer exist; not reported as findings."""
+    """Remove compressed and light copies and thumbnails of files that no longer exist; no findings."""
     if not repair:
         return
     for coding in PREFERRED_CODINGS:
@@ -191,7 +191,8 @@ def _remove_stale_copies(settings: Settings, stores: Stores, repair: bool) -> No
             used = (stores.tables, stores.records, stores.compliances, stores.meshes)
             if path.is_file() and not any(store.has(path.name) for store in used):
                 path.unlink(missing_ok=True)
-    for path in (settings.cache_dir / "thumbnails").glob("*.png"):
+    light = settings.light_copy("*")
+    for path in [*(settings.cache_dir / "thumbnails").glob("*.png"), *light.parent.glob(light.name)]:
         if not stores.meshes.has(path.stem):
             path.unlink(missing_ok=True)
 

@@ -52,6 +52,7 @@ from galewood_server.http.schemas import (
     WoodSpeciesOut,
 )
 from galewood_server.http.serialised import damaged, row_as_json, serialisable
+from galewood_server.http.texts import StorableText
 
 __all__ = [
     "COMPRESSED_BYTES",
@@ -72,6 +73,7 @@ __all__ = [
     "ProblemError",
     "ProblemOut",
     "Readiness",
+    "StorableText",
     "StoredTime",
     "TableList",
     "TableOut",

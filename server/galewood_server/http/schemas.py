@@ -69,7 +69,8 @@ class TreeSummary(BaseModel):
     is the table of the same mesh without its leaves, for the winter; null: there is none. `form`: grown
     in the open, or slender between other trees; a built-in species may have one tree of each form.
     `compliance_sha256` is needed only to pull the tree at a point. `evergreen`: its species keeps its
-    leaves or needles in winter. `updated_at` changes with every change of the tree, also of its report.
+    leaves or needles in winter. `grown`: an individual of a species (POST /api/individuals).
+    `updated_at` changes with every change of the tree, also of its report.
     """
 
     id: str
@@ -77,6 +78,7 @@ class TreeSummary(BaseModel):
     species: str | None
     builtin: bool
     form: Form = "open"
+    grown: bool = False
     state: TreeState
     height_m: float | None
     table_sha256: str | None

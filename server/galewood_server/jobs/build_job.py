@@ -24,7 +24,7 @@ from galewood_server.jobs.model_job import usual_options
 from galewood_server.jobs.processes import lower_priority
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.jobs.queue import end_job
-from galewood_server.jobs.stored_files import stored_bytes
+from galewood_server.jobs.stored_files import mesh_source
 from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
 from galewood_server.storage import (
@@ -51,15 +51,21 @@ RECORDS_PRIORITY = -10
 
 
 @dataclass(frozen=True)
-class BuildInputs:
-    """The inputs of a build, read when the job starts."""
+class BuiltTree:
+    """The tree that a job makes a table of, and the fingerprint of that table."""
 
     tree_id: str
+    fingerprint: str
+
+
+@dataclass(frozen=True)
+class BuildInputs(BuiltTree):
+    """The inputs of a build, read when the job starts."""
+
     source: bytes | ImportedTree
     """The file, or what an import of it has left."""
     filename: str
     options: BuildOptions
-    fingerprint: str
 
 
 def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildInputs:
@@ -74,7 +80,7 @@ def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildI
         source = imported_tree(stores, tree, options)
         return BuildInputs(
             tree_id=tree.id,
-            source=source or stored_bytes(stores, "sources", tree.source_sha256, tree.filename),
+            source=source or mesh_source(stores, tree),
             filename=tree.filename,
             options=options,
             fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
@@ -187,7 +193,7 @@ def run_build(
 
 
 def publish_table(
-    job_lease: JobLease, stores: Stores, inputs: BuildInputs, result: BuildResult, model: bytes | None
+    job_lease: JobLease, stores: Stores, inputs: BuiltTree, result: BuildResult, model: bytes | None
 ) -> None:
     """Store the complete table of a running build: its tree is ready, while the job continues.
 
@@ -204,7 +210,7 @@ def publish_table(
 
 
 def publish_result(
-    job_lease: JobLease, stores: Stores, inputs: BuildInputs, result: BuildResult, model: bytes | None
+    job_lease: JobLease, stores: Stores, inputs: BuiltTree, result: BuildResult, model: bytes | None
 ) -> None:
     """Store the files, then, in one transaction, reference them by the tree and set the job to done."""
     files = _put(stores, result, model)
@@ -224,7 +230,7 @@ def _put(stores: Stores, result: BuildResult, model: bytes | None) -> dict[str, 
 
 
 def _set_table(
-    session: Session, stores: Stores, inputs: BuildInputs, files: Mapping[str, bytes], result: BuildResult
+    session: Session, stores: Stores, inputs: BuiltTree, files: Mapping[str, bytes], result: BuildResult
 ) -> Tree:
     """Reference the files of a result by its tree, which keeps what belongs to an unchanged table."""
     tree = session.get_one(Tree, inputs.tree_id)

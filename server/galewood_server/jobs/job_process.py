@@ -65,6 +65,10 @@ def _work(
     kind = _kind(job_lease.sessions, job_lease.job_id)
     if kind == "build":
         run_build(job_lease, address, settings, stores, build)
+    elif kind == "individual":
+        from galewood_server.jobs.individual_job import run_individual
+
+        run_individual(job_lease, settings, stores)
     elif analysis:
         analysis(job_lease, kind, settings, stores)
     else:

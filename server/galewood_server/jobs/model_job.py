@@ -10,9 +10,17 @@ from galewood.pipeline.results import BUILTIN_OPTIONS
 from galewood.solid.fem import save_model
 
 from galewood_server.jobs.progress import JobLease, ProgressReporter
-from galewood_server.jobs.stored_files import stored_bytes
+from galewood_server.jobs.stored_files import mesh_source
 from galewood_server.settings import Settings
-from galewood_server.storage import Job, Stores, Tree, mark_garbage, replace_files, store_referenced
+from galewood_server.storage import (
+    TABLE_JOBS,
+    Job,
+    Stores,
+    Tree,
+    mark_garbage,
+    replace_files,
+    store_referenced,
+)
 
 PREPARING_MESSAGE = "Preparing the model"
 
@@ -43,7 +51,8 @@ def _compute(job_lease: JobLease, settings: Settings, stores: Stores) -> bytes:
         options = BuildOptions.model_validate(
             {**usual_options(tree), **tree.options, **settings_of_table(tree)}
         )
-        source, filename = stored_bytes(stores, "sources", tree.source_sha256, tree.filename), tree.filename
+        source = mesh_source(stores, tree)
+        filename = tree.filename
     model = model_of(source, filename, options, settings.cache_dir)
     with tempfile.TemporaryDirectory(prefix="galewood-model-") as folder:
         path = Path(folder) / "model.npz"
@@ -53,12 +62,12 @@ def _compute(job_lease: JobLease, settings: Settings, stores: Stores) -> bytes:
 
 def usual_options(tree: Tree) -> dict[str, Any]:
     """Options of the builds of a tree, unless it or a job has others."""
-    return BUILTIN_OPTIONS if tree.builtin else {}
+    return BUILTIN_OPTIONS if tree.builtin or tree.grown else {}
 
 
 def settings_of_table(tree: Tree) -> dict[str, Any]:
     """The settings of the build that computed the tree's table."""
-    done = [job.settings for job in tree.jobs if job.kind == "build" and job.state == "done"]
+    done = [job.settings for job in tree.jobs if job.kind in TABLE_JOBS and job.state == "done"]
     return done[-1] if done else {}
 
 

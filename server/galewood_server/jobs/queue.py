@@ -8,11 +8,11 @@ from galewood.options import AFTER_BEAMS
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from galewood_server.storage import ACTIVE_STATES, Job, JobKind, Tree, utc_now
+from galewood_server.storage import ACTIVE_STATES, TABLE_JOBS, Job, JobKind, Tree, utc_now
 
 
-def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
-    """Queue a build of a tree's table. ProblemError 409 if one is already queued or running.
+def queue_job(session: Session, tree: Tree, settings: dict[str, Any], kind: JobKind = "build") -> Job:
+    """Queue a job of TABLE_JOBS. ProblemError 409 if one of this tree is already queued or running.
 
     The tree moves at once, by the table that its import has made, unless the settings need another one.
     """
@@ -27,7 +27,7 @@ def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
         )
     if tree.table_sha256 is None and tree.beams_sha256 and settings.keys() <= AFTER_BEAMS:
         tree.table_sha256, tree.preliminary = tree.beams_sha256, True
-    return add_job(session, tree, "build", settings)
+    return add_job(session, tree, kind, settings)
 
 
 def add_job(session: Session, tree: Tree, kind: JobKind, settings: dict[str, Any]) -> Job:
@@ -72,11 +72,16 @@ def request_cancel(session: Session, job: Job) -> None:
     session.refresh(job)
 
 
-def find_job(session: Session, job_id: str, kind: JobKind = "build") -> Job:
-    """A job by its id and kind. ProblemError 404, or 500 if its row cannot be read."""
-    what = "job" if kind == "build" else kind
+def find_job(session: Session, job_id: str, *kinds: JobKind) -> Job:
+    """A job by its id, if it is of one of these kinds (default: TABLE_JOBS).
+
+    ProblemError 404, or 500 if its row cannot be read.
+    """
+    what = kinds[0] if kinds else "job"
     try:
-        job = session.scalars(select(Job).where(Job.id == job_id, Job.kind == kind)).one_or_none()
+        job = session.scalars(
+            select(Job).where(Job.id == job_id, Job.kind.in_(kinds or TABLE_JOBS))
+        ).one_or_none()
     except (ValueError, TypeError) as error:  # of a stored time or JSON document
         from galewood_server.http import damaged
 

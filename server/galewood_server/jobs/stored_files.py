@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from galewood_server.jobs.progress import JobFailedError
-from galewood_server.storage import CONTENT_OF_STORE, DamagedFileError, Stores
+from galewood_server.storage import CONTENT_OF_STORE, DamagedFileError, Stores, Tree
 
 RESTORE_HINT = "restore it from a backup (`galewood doctor` lists what is missing)"
 
@@ -18,6 +18,21 @@ def stored_bytes(stores: Stores, kind: str, sha256: str, filename: str = "") -> 
         raise _lost(kind, sha256, filename, "is lost") from error
     except DamagedFileError as error:
         raise _lost(kind, sha256, filename, "is damaged") from error
+
+
+def mesh_source(stores: Stores, tree: Tree) -> bytes:
+    """The mesh file of a tree: what was uploaded, or what is grown again. JobFailedError."""
+    source = stored_bytes(stores, "sources", tree.source_sha256, tree.filename)
+    if not tree.grown:
+        return source
+    from galewood.growth import GrowthError, grow_files  # loads what an upload has no use for
+    from galewood.pipeline.individuals import read_document
+
+    document = read_document(source)
+    try:
+        return grow_files(document.species, document.request).glb
+    except GrowthError as error:
+        raise JobFailedError(str(error)) from error
 
 
 def stored_path(stores: Stores, kind: str, sha256: str) -> Path:

@@ -23,10 +23,11 @@ log = logging.getLogger("galewood.jobs")
 POLL_S = 0.4
 QUEUES: dict[str, tuple[JobKind, ...]] = {
     "builds": ("build",),
+    "individuals": ("individual",),
     "comparisons": ("comparison",),
     "evaluations": ("evaluation",),
 }
-"""Queue -> job kinds. Comparisons take seconds and are interactive, so they do not wait for other kinds."""
+"""Queue -> job kinds. Comparisons and individuals take seconds, so they do not wait for other kinds."""
 STAGES_WITHOUT_CLUSTER = ("queued", "import")
 """Stages of a build in which the cluster is not started yet, so that it does not compete with the import."""
 
@@ -161,6 +162,7 @@ class Supervisor:
         settings = self._service.settings
         limits = {
             "builds": settings.concurrent_jobs,
+            "individuals": settings.concurrent_individuals,
             "comparisons": settings.concurrent_analyses,
             "evaluations": settings.concurrent_evaluations,
         }

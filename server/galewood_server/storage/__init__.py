@@ -26,6 +26,7 @@ from galewood_server.storage.garbage import (
 )
 from galewood_server.storage.models import (
     ACTIVE_STATES,
+    TABLE_JOBS,
     Form,
     Garbage,
     Job,
@@ -71,6 +72,7 @@ __all__ = [
     "JOB_FIELDS",
     "PREFERRED_CODINGS",
     "STORE_NAMES",
+    "TABLE_JOBS",
     "TREE_FIELDS",
     "DamagedFileError",
     "FileStore",

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from galewood_server.storage.database import Sessions, database_now
 from galewood_server.storage.files import is_hash
-from galewood_server.storage.models import ACTIVE_STATES, Garbage, Job, JobKind, Tree
+from galewood_server.storage.models import ACTIVE_STATES, TABLE_JOBS, Garbage, Job, JobKind, Tree
 from galewood_server.storage.raw_rows import raw_column
 from galewood_server.storage.stores import Stores
 from galewood_server.storage.tree_files import ANALYSIS_INPUTS, FILE_COLUMNS
@@ -104,7 +104,7 @@ def referenced_files(session: Session) -> dict[str, set[str]]:
 def files_in_use(session: Session) -> set[str]:
     """Hashes of the input files of active analyses."""
     settings = session.scalars(
-        select(Job.settings).where(Job.state.in_(ACTIVE_STATES), Job.kind != "build")
+        select(Job.settings).where(Job.state.in_(ACTIVE_STATES), Job.kind.not_in(TABLE_JOBS))
     ).all()
     return {str(one[field]) for one in settings for field in ANALYSIS_INPUTS if one.get(field)}
 

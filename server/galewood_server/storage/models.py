@@ -6,14 +6,16 @@ import secrets
 from datetime import UTC, datetime
 from typing import Any, Literal
 
-from sqlalchemy import JSON, Boolean, DateTime, Dialect, Float, ForeignKey, Integer, String, Text
+from sqlalchemy import JSON, Boolean, DateTime, Dialect, Float, ForeignKey, Integer, String, Text, false
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 from sqlalchemy.types import TypeDecorator
 
 Form = Literal["open", "forest"]
 TreeState = Literal["uploaded", "building", "preliminary", "ready", "failed"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
-JobKind = Literal["build", "comparison", "evaluation"]
+JobKind = Literal["build", "individual", "comparison", "evaluation"]
+TABLE_JOBS: tuple[JobKind, ...] = ("build", "individual")
+"""Kinds of jobs that make the table of a tree."""
 ACTIVE_STATES: tuple[JobState, ...] = ("queued", "running")
 
 
@@ -64,6 +66,8 @@ class Tree(Base):
     name: Mapped[str] = mapped_column(String(200))
     species: Mapped[str | None] = mapped_column(String(64))
     builtin: Mapped[bool] = mapped_column(Boolean, default=False)
+    # an individual of a built-in species: its source is a document from which this software grows it
+    grown: Mapped[bool] = mapped_column(Boolean, default=False, server_default=false())
     # grown in the open, or slender between others: built-in species have both
     form: Mapped[Form] = mapped_column(String(16), default="open", server_default="open")
     height_m: Mapped[float | None] = mapped_column(Float)
@@ -100,7 +104,7 @@ class Tree(Base):
     @property
     def job(self) -> Job | None:
         """The newest build job."""
-        return next((job for job in reversed(self.jobs) if job.kind == "build"), None)
+        return next((job for job in reversed(self.jobs) if job.kind in TABLE_JOBS), None)
 
     @property
     def state(self) -> TreeState:
@@ -110,7 +114,7 @@ class Tree(Base):
 
 
 class Job(Base):
-    """A build or an analysis of one tree."""
+    """A build, the growth or an analysis of one tree."""
 
     __tablename__ = "jobs"
 

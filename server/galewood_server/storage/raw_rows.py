@@ -14,7 +14,7 @@ from sqlalchemy import JSON, ColumnElement, Select, Text, cast, select, type_coe
 from sqlalchemy.orm import InstrumentedAttribute, Session, aliased
 from sqlalchemy.types import NullType
 
-from galewood_server.storage.models import Job, Tree
+from galewood_server.storage.models import TABLE_JOBS, Job, Tree
 
 RawRow = tuple[Any, ...]
 Row = TypeVar("Row", bound=Tree | Job)
@@ -25,6 +25,7 @@ TREE_FIELDS = (
     "species",
     "builtin",
     "form",
+    "grown",
     "height_m",
     "table_sha256",
     "bare_table_sha256",
@@ -69,7 +70,7 @@ def tree_rows(*more: InstrumentedAttribute[Any]) -> Select[Any]:
     other = aliased(Job)
     newest = (
         select(other.id)
-        .where(other.tree_id == Tree.id, other.kind == "build")
+        .where(other.tree_id == Tree.id, other.kind.in_(TABLE_JOBS))
         .order_by(other.created_at.desc(), other.id.desc())
         .limit(1)
         .correlate(Tree)
@@ -82,7 +83,7 @@ def tree_rows(*more: InstrumentedAttribute[Any]) -> Select[Any]:
 
 def job_rows() -> Select[Any]:
     """Build jobs as JOB_FIELDS."""
-    return select(*(raw_column(getattr(Job, name)) for name in JOB_FIELDS)).where(Job.kind == "build")
+    return select(*(raw_column(getattr(Job, name)) for name in JOB_FIELDS)).where(Job.kind.in_(TABLE_JOBS))
 
 
 def readable_rows(session: Session, kind: type[Row], *conditions: ColumnElement[bool]) -> Iterator[Row]:

@@ -114,6 +114,7 @@ def largest_inputs() -> dict[str, Requests]:
     wind = {"wind": {"version": 1}}
     return {
         "POST /api/trees": uploads(),
+        "POST /api/individuals": [*bodies(), {"json": {"species": "oak", "seed": 1, "height_m": 14}}],
         "GET /api/trees": page,
         "GET /api/trees/{tree_id}": plain,
         "PATCH /api/trees/{tree_id}": bodies(),

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from galewood.options import IndividualRequest
-from galewood.pipeline.individuals.shipped import motion_of_document, shipped_motion
-from galewood.pipeline.individuals.species_motion import SpeciesMotion
+from galewood.pipeline.individuals.motions import SpeciesMotion, motion_of_document, shipped_motion
 
 DOCUMENT_FORMAT, DOCUMENT_VERSION = "galewood-individual", 1
 

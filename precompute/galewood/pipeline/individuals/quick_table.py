@@ -10,7 +10,7 @@ from galewood.motion.modal import shape_terms
 from galewood.motion.wind import speed_of_pressure
 from galewood.pipeline.individuals.curving import PAIRS, curved_shapes
 from galewood.pipeline.individuals.law import Law, force_of_law, isotropic_law, sampled_states
-from galewood.pipeline.individuals.species_motion import SpeciesMotion
+from galewood.pipeline.individuals.motions import SpeciesMotion
 from galewood.pipeline.individuals.stiffness import loaded_hz, of_all_modes
 from galewood.pipeline.individuals.sway import Sway, sway_of_oscillators
 from galewood.pipeline.reduction import (

@@ -1,4 +1,4 @@
-"""The motion of the built-in trees without dimensions, in one file beside their tables."""
+"""Writes the motion of the built-in trees without dimensions, in one file beside their tables."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import hashlib
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from galewood.options import ImportRequest
-from galewood.packaged import species_folder
-from galewood.pipeline.individuals.species_motion import SpeciesMotion, species_motion
+from galewood.pipeline.individuals.motions import SpeciesMotion
+from galewood.pipeline.individuals.species_motion import species_motion
 from galewood.pipeline.results import motions_path, shipped_tables
 from galewood.pipeline.stages import BuiltinMesh, builtin_meshes
 from galewood.solid.model import beam_model
@@ -23,28 +22,6 @@ from galewood.wood import wood_of_species
 MOTIONS_VERSION = 1
 """Changes with the meaning of what is written."""
 DIGIT_COUNT = 6
-
-
-def shipped_motion(species: str, form: str, folder: Path | None = None) -> SpeciesMotion:
-    """The motion of a built-in species grown in this form. KeyError for others; OSError."""
-    folder = folder or species_folder()
-    entries = json.loads((folder / "species.json").read_bytes())
-    name = {(one["species"], one["form"]): one["id"] for one in entries}[species, form]
-    return motion_of_document(json.loads(motions_path(folder).read_bytes())["motions"][name])
-
-
-def motion_of_document(document: dict[str, Any]) -> SpeciesMotion:
-    """The motion that a JSON object holds. Raises ValueError for another object."""
-    try:
-        return SpeciesMotion(
-            tuple(float(one) for one in document["stiffness"]),
-            float(document["sway"]),
-            float(document["speed"]),
-            float(document["pressure"]),
-            tuple(float(one) for one in document["force"]),
-        )
-    except (KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"not the motion of a species: {error}") from None
 
 
 def ship_motions(folder: Path) -> bool:

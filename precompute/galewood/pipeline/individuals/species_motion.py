@@ -2,30 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from galewood.pipeline.individuals.law import isotropic_part, law_of_table, sampled_states
+from galewood.pipeline.individuals.motions import SpeciesMotion
 from galewood.pipeline.individuals.stiffness import stiffness_factors
 from galewood.pipeline.individuals.sway import largest_sway_m, sway_of_table
 from galewood.solid.model import BeamModel
 from galewood.table import Table
-
-
-@dataclass(frozen=True)
-class SpeciesMotion:
-    """The motion of a species without dimensions.
-
-    ``stiffness``: factors of the first modes, finite elements over beams. The largest sampled sway over the
-    height, and the largest speed and pressure at it, in the units of the sway. ``force``: the isotropic law.
-    """
-
-    stiffness: tuple[float, ...]
-    sway: float
-    speed: float
-    pressure: float
-    force: tuple[float, ...]
 
 
 def species_motion(table: Table, beams: BeamModel) -> SpeciesMotion:

@@ -4,6 +4,7 @@ from galewood.pipeline.results.light import (
     LIGHT_FOLDER,
     PICTURES_FOLDER,
     SPRAYS_NAME,
+    light_like,
     light_mesh,
     write_light,
 )
@@ -33,6 +34,7 @@ __all__ = [
     "bare_path",
     "build_key",
     "forms_path",
+    "light_like",
     "light_mesh",
     "motions_path",
     "read_compliance",

@@ -19,6 +19,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 from PIL import Image
 
@@ -32,6 +33,42 @@ LEAVES_NAME, SPRAYS_NAME = "leaves", "sprays"
 COLOUR_QUALITY, NORMAL_QUALITY = 82, 90
 
 
+class SharedPictures(Protocol):
+    """Where the pictures of a light mesh are."""
+
+    @property
+    def sprays_uri(self) -> str | None:
+        """The address of the picture of the sprays, relative to a light mesh; None: there is none."""
+        ...
+
+    def uri(self, material: str, slot: str, content: bytes) -> str:
+        """The address of a picture, relative to a light mesh."""
+        ...
+
+
+class PicturesOfLight:
+    """The pictures of a light mesh, for another tree that has the same ones."""
+
+    def __init__(self, glb: bytes) -> None:
+        document, _ = glb_parts(glb)
+        self._uris: dict[tuple[str, str], str] = {}
+        self._sprays: str | None = None
+        for material in document["materials"]:
+            self._sprays = material.get("extras", {}).get(SPRAYS_NAME, self._sprays)
+            for slot, index in _texture_slots(material):
+                image = document["textures"][index]["extensions"][WEBP_EXTENSION]["source"]
+                self._uris[material["name"], slot] = document["images"][image]["uri"]
+
+    @property
+    def sprays_uri(self) -> str | None:
+        """The address of the picture of the sprays."""
+        return self._sprays
+
+    def uri(self, material: str, slot: str, content: bytes) -> str:
+        """The address of a picture. KeyError if the light mesh has none for this material and slot."""
+        return self._uris[material, slot]
+
+
 @dataclass
 class Pictures:
     """The pictures of one species as WebP; those of its first form serve the other one too."""
@@ -42,6 +79,11 @@ class Pictures:
     _names: dict[str, str] = field(default_factory=dict[str, str])
     sprays: bytes | None = None
     """The picture of the sprays, as PNG."""
+
+    @property
+    def sprays_uri(self) -> str | None:
+        """The address of the picture of the sprays, which is packed when it is first asked for."""
+        return None if self.sprays is None else self.uri(SPRAYS_NAME, "baseColorTexture", self.sprays)
 
     def uri(self, material: str, slot: str, content: bytes) -> str:
         """The address of a picture, relative to a light mesh."""
@@ -54,8 +96,8 @@ class Pictures:
         return f"{PICTURES_FOLDER}/{self._names[name]}"
 
 
-def light_glb(render_glb: bytes, pictures: Pictures) -> bytes:
-    """The light copy of a render mesh, whose pictures are added to ``pictures``."""
+def light_glb(render_glb: bytes, pictures: SharedPictures) -> bytes:
+    """The light copy of a render mesh, whose pictures are those of ``pictures``, or added to them."""
     document, body = glb_parts(render_glb)
     buffers = CompressedBuffers(document, body)
     for mesh in document["meshes"]:
@@ -64,12 +106,10 @@ def light_glb(render_glb: bytes, pictures: Pictures) -> bytes:
                 buffers.attribute(name, accessor)
             buffers.indices(primitive["indices"])
     images = _images(document, body, pictures)
-    if pictures.sprays is not None:
+    if pictures.sprays_uri is not None:
         for material in document["materials"]:
             if material["name"] == LEAVES_NAME:
-                material["extras"] = {
-                    SPRAYS_NAME: pictures.uri(SPRAYS_NAME, "baseColorTexture", pictures.sprays)
-                }
+                material["extras"] = {SPRAYS_NAME: pictures.sprays_uri}
     extensions = [*buffers.EXTENSIONS, *([WEBP_EXTENSION] if images else [])]
     return packed_glb(
         document
@@ -93,10 +133,8 @@ def write_light(folder: Path, trees: Iterable[tuple[str, str, bytes]], sprays: M
         own = pictures.setdefault(species, Pictures(species, sprays=sprays.get(species)))
         meshes[f"{name}.glb"] = light_glb(render_glb, own)
         index[hashlib.sha256(render_glb).hexdigest()] = f"{name}.glb"
-        if own.sprays is not None:
-            index[hashlib.sha256(own.sprays).hexdigest()] = own.uri(
-                SPRAYS_NAME, "baseColorTexture", own.sprays
-            )
+        if own.sprays is not None and own.sprays_uri is not None:
+            index[hashlib.sha256(own.sprays).hexdigest()] = own.sprays_uri
     drawn = {f"{PICTURES_FOLDER}/{file}": b for own in pictures.values() for file, b in own.files.items()}
     (folder / PICTURES_FOLDER).mkdir(parents=True, exist_ok=True)
     files = meshes | drawn | {INDEX_FILE: (json.dumps(index, indent=1) + "\n").encode()}
@@ -122,21 +160,33 @@ def light_mesh(folder: Path, mesh_sha256: str) -> bytes | None:
         return None
 
 
-def _images(document: Json, body: bytes, pictures: Pictures) -> Json:
+def light_like(render_glb: bytes, folder: Path, name: str) -> bytes | None:
+    """The light copy of a tree that has the pictures of a built-in one; None without a light copy of that.
+
+    ``folder`` has the light meshes, ``name`` is the id of the built-in tree.
+    """
+    path = folder / f"{name}.glb"
+    return light_glb(render_glb, PicturesOfLight(path.read_bytes())) if path.is_file() else None
+
+
+def _texture_slots(material: Json) -> list[tuple[str, int]]:
+    """The slots of a material that have a texture, and its index."""
+    slots = material.get("pbrMetallicRoughness", {}) | material
+    return [(slot, info["index"]) for slot, info in slots.items() if slot.endswith("Texture")]
+
+
+def _images(document: Json, body: bytes, pictures: SharedPictures) -> Json:
     """Textures and images of the light mesh: one texture per slot, in the order of the render mesh."""
     textures: list[Json] = [{} for _ in document.get("textures", [])]
     images: list[Json] = []
     for material in document["materials"]:
-        slots = material.get("pbrMetallicRoughness", {}) | material
-        for slot, info in slots.items():
-            if not slot.endswith("Texture"):
-                continue
-            texture = document["textures"][info["index"]]
+        for slot, index in _texture_slots(material):
+            texture = document["textures"][index]
             view = document["bufferViews"][document["images"][texture["source"]]["bufferView"]]
             start = view["byteOffset"]
             content = body[start : start + view["byteLength"]]
             images.append({"uri": pictures.uri(material["name"], slot, content), "mimeType": WEBP_MIME})
-            textures[info["index"]] = {
+            textures[index] = {
                 "sampler": texture["sampler"],
                 "extensions": {WEBP_EXTENSION: {"source": len(images) - 1}},
             }

@@ -56,10 +56,10 @@ def analysis_settings(tree: Tree, request: dict[str, Any]) -> dict[str, Any]:
     return {**request, **{field: getattr(tree, field) for field in ANALYSIS_INPUTS}}
 
 
-def check_queue_length(session: Session, kind: JobKind) -> None:
+def check_queue_length(session: Session, kind: JobKind, most: int = MAX_ACTIVE) -> None:
     """Raise ProblemError 429 if too many jobs of a kind are queued or running."""
     waiting = select(func.count(Job.id)).where(Job.kind == kind, Job.state.in_(ACTIVE_STATES))
-    if (session.scalar(waiting) or 0) >= MAX_ACTIVE:
+    if (session.scalar(waiting) or 0) >= most:
         title, hint = f"Too many {kind}s are queued", "Wait until one has finished, or cancel one."
         raise ProblemError(429, f"too-many-{kind}s", title, hint=hint)
 

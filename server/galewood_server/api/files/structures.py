@@ -16,6 +16,7 @@ from pydantic import BaseModel
 from galewood_server.api.trees import find_tree
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, problems
+from galewood_server.storage import TABLE_JOBS
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 
@@ -59,7 +60,7 @@ def _tetrahedra(service: Service, tree_id: str) -> str:
     """The name, without its ending, of the file of the tetrahedra of a tree. ProblemError 404."""
     with service.sessions() as session:
         tree = find_tree(session, tree_id)
-        meshed = [job for job in tree.jobs if job.kind == "build" and job.result]
+        meshed = [job for job in tree.jobs if job.kind in TABLE_JOBS and job.result]
         complete = [job for job in meshed if job.state == "done" or job.stage in STAGES_AFTER_TABLE]
         # until a build has replaced a complete table, its tetrahedra are not those of the tree
         chosen = complete if tree.state == "ready" else meshed

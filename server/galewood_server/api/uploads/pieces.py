@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from fastapi import APIRouter, Response
 
-from galewood_server.api.trees import find_tree
+from galewood_server.api.trees import check_from_file, find_tree
 from galewood_server.api.uploads.upload import read_mesh, store_tree
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
@@ -68,6 +68,7 @@ def _upload(service: Service, tree_id: str) -> Upload:
         if tree.builtin:
             hint = "Only the file of an upload can be imported again."
             raise ProblemError(403, "builtin-tree", "This is a built-in tree", hint=hint)
+        check_from_file(tree)
         data = service.stores.sources.get(tree.source_sha256)
         return Upload(data, tree.filename, TreeChanges.model_validate(tree.options))
 

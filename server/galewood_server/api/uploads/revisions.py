@@ -11,7 +11,7 @@ from fastapi import APIRouter
 from galewood.options import ImportRequest
 
 from galewood_server.access import check_quota, count_stored
-from galewood_server.api.trees import find_tree, tree_out
+from galewood_server.api.trees import check_from_file, find_tree, tree_out
 from galewood_server.api.uploads.upload import READ_COLUMNS, put_read, read_bytes, read_mesh, remove_read
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, TreeChanges, TreeOut, problems
@@ -57,6 +57,7 @@ def _options(service: Service, tree_id: str, body: TreeChanges) -> dict[str, Any
         options = {**kept, **body.import_options()}
         if options == tree.options:
             return None
+        check_from_file(tree)
         _check_unbuilt(tree)
         return options
 

@@ -102,14 +102,14 @@ async def _receive(request: Request, service: Service) -> Upload:
 
 def _find(service: Service, upload: Upload) -> TreeOut | None:
     with service.sessions() as session:
-        tree = _find_same(session, hashlib.sha256(upload.data).hexdigest(), upload.changes.import_options())
+        tree = find_same(session, hashlib.sha256(upload.data).hexdigest(), upload.changes.import_options())
         if tree is None:
             return None
         service.stores.sources.put(upload.data)  # written only if the stored file is damaged or lost
         return tree_out(tree)
 
 
-def _find_same(session: Session, source_sha256: str, options: dict[str, Any]) -> Tree | None:
+def find_same(session: Session, source_sha256: str, options: dict[str, Any]) -> Tree | None:
     trees = readable_rows(session, Tree, Tree.source_sha256 == source_sha256, Tree.builtin.is_(False))
     return next((tree for tree in trees if tree.options == options), None)
 
@@ -149,9 +149,8 @@ def _store_files(service: Service, upload: Upload, read: ReadUpload) -> tuple[Tr
     )
     count_stored(service.settings, len(upload.data) + read_bytes(read))
     with service.sessions() as session:
-        ids = (_tree_id(tree.source_sha256, tree.options), new_id())
         try:
-            return _insert(session, tree, ids)
+            return insert_tree(session, tree)
         except Exception:
             _remove_files(session, service, tree)
             raise
@@ -171,11 +170,14 @@ def remove_read(session: Session, service: Service, files: Mapping[str, str | No
         remove_unshared(session, store, sharing, files.get(column))
 
 
-def _insert(session: Session, tree: Tree, ids: tuple[str, ...]) -> tuple[TreeOut, bool]:
-    """Insert a row under the first free id; if an equal tree has taken an id meanwhile, return that tree."""
+def insert_tree(session: Session, tree: Tree) -> tuple[TreeOut, bool]:
+    """Insert a row under an id that follows from its file and options, or under a new one if that is taken.
+
+    If an equal tree has taken an id meanwhile, return that tree, and False.
+    """
     source_sha256, options = tree.source_sha256, tree.options
     values = {c.key: getattr(tree, c.key) for c in Tree.__table__.columns if getattr(tree, c.key) is not None}
-    for name in ids:
+    for name in (_tree_id(source_sha256, options), new_id()):
         try:
             with session.begin():
                 row = Tree(**{**values, "id": name})
@@ -184,7 +186,7 @@ def _insert(session: Session, tree: Tree, ids: tuple[str, ...]) -> tuple[TreeOut
                 return tree_out(row), True
         except IntegrityError:
             with session.begin():
-                duplicate = _find_same(session, source_sha256, options)
+                duplicate = find_same(session, source_sha256, options)
                 if duplicate:
                     return tree_out(duplicate), False
     raise RuntimeError("a new identifier was already taken")

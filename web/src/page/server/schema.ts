@@ -167,6 +167,21 @@ export interface Schemas {
     pairs: number;
     residual_m: number;
   };
+  /** Body of POST /api/individuals. */
+  IndividualOrder: {
+    /** The branches follow from this whole number. */
+    seed: number;
+    /** Height of the topmost leaf, m. */
+    height_m: number;
+    /** Diameter of the stem at breast height (1.3 m), cm; default: in proportion to height. */
+    dbh_cm?: number | null;
+    /** Grown in the open, or in a closed forest: slender with a high crown. */
+    form?: "open" | "forest";
+    /** Take the nearest size that the species can have; otherwise other sizes are refused. */
+    nearest_size?: boolean;
+    /** A built-in species: oak, spruce, ... */
+    species: string;
+  };
   /** The stems of an inventory (spec/formats/inventory.md), and how its file was interpreted. */
   InventoryOut: {
     version: 1;
@@ -443,6 +458,7 @@ export interface Schemas {
     species: string | null;
     builtin: boolean;
     form?: "open" | "forest";
+    grown?: boolean;
     state: "uploaded" | "building" | "preliminary" | "ready" | "failed";
     height_m: number | null;
     table_sha256: string | null;
@@ -484,7 +500,8 @@ export interface Schemas {
    * `bare_table_sha256` is the table of the same mesh without its leaves, for the winter; null: there is
    * none. `form`: grown in the open, or slender between other trees; a built-in species may have one tree of
    * each form. `compliance_sha256` is needed only to pull the tree at a point. `evergreen`: its species keeps
-   * its leaves or needles in winter. `updated_at` changes with every change of the tree, also of its report.
+   * its leaves or needles in winter. `grown`: an individual of a species (POST /api/individuals).
+   * `updated_at` changes with every change of the tree, also of its report.
    */
   TreeSummary: {
     id: string;
@@ -492,6 +509,7 @@ export interface Schemas {
     species: string | null;
     builtin: boolean;
     form?: "open" | "forest";
+    grown?: boolean;
     state: "uploaded" | "building" | "preliminary" | "ready" | "failed";
     height_m: number | null;
     table_sha256: string | null;

@@ -1,0 +1,12 @@
+from .document import IndividualDocument as IndividualDocument
+from .document import document_of as document_of
+from .document import read_document as read_document
+from .grown_tree import GrownMesh as GrownMesh
+from .grown_tree import individual_result as individual_result
+from .grown_tree import quick_motion as quick_motion
+from .grown_tree import read_grown as read_grown
+from .law import law_of_table as law_of_table
+from .motions import SpeciesMotion as SpeciesMotion
+from .motions import shipped_motion as shipped_motion
+from .quick_table import individual_table as individual_table
+from .shipped import ship_motions as ship_motions
