@@ -1,4 +1,4 @@
-from .analysis_files import PLOT_FILE as PLOT_FILE
+from .analyses.analysis_files import PLOT_FILE as PLOT_FILE
 from .processes import start_module as start_module
 from .queue import add_job as add_job
 from .queue import find_job as find_job

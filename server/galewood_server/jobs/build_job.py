@@ -17,10 +17,10 @@ from galewood.pipeline.tables import BuildOptions
 from galewood.util import kernels_compiled
 from sqlalchemy.orm import Session
 
+from galewood_server.jobs.analyses.model_job import usual_options
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
-from galewood_server.jobs.model_job import usual_options
 from galewood_server.jobs.processes import lower_priority
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.jobs.queue import end_job

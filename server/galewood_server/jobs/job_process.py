@@ -72,7 +72,7 @@ def _work(
     elif analysis:
         analysis(job_lease, kind, settings, stores)
     else:
-        from galewood_server.jobs.analysis_job import run_analysis
+        from galewood_server.jobs.analyses.analysis_job import run_analysis
 
         run_analysis(job_lease, kind, settings, stores)
 

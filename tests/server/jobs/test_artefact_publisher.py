@@ -13,9 +13,9 @@ from galewood.pipeline.results import BuildResult
 from galewood.pipeline.tables.options import BuildOptions
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
-from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
+from galewood_server.jobs.analyses.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
-from galewood_server.jobs.build_job import BuildInputs, publish_result, publish_table
+from galewood_server.jobs.build_job import BuiltTree, publish_result, publish_table
 from galewood_server.jobs.leases import claim
 from galewood_server.jobs.progress import JobLease
 from galewood_server.jobs.queue import add_job
@@ -39,7 +39,7 @@ def known(sha256: str | None) -> str:
     return sha256
 
 
-INPUTS = BuildInputs("t", b"", "t.obj", BuildOptions(), "fingerprint")
+INPUTS = BuiltTree("t", "fingerprint")
 
 
 class Build:

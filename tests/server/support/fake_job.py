@@ -17,7 +17,7 @@ from pathlib import Path
 from galewood.pipeline.results import BuildResult
 from galewood.pipeline.stages.stage import Progress, Stage
 from galewood.pipeline.tables.options import BuildOptions
-from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
+from galewood_server.jobs.analyses.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.job_process import main
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.settings import Settings

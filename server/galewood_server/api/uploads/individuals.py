@@ -64,10 +64,7 @@ def _document(body: IndividualOrder) -> IndividualDocument:
         find_generator()
         return document_of(body.species, IndividualRequest(**body.model_dump(exclude={"species"})))
     except GrowthError as error:
-        hint = "The operator of this server can change that."
-        raise ProblemError(
-            503, "cannot-grow", "This server cannot grow trees", detail=str(error), hint=hint
-        ) from error
+        raise ProblemError(503, "cannot-grow", "This server cannot grow trees", hint=str(error)) from error
     except KeyError as error:
         raise ProblemError(
             422,

@@ -114,7 +114,7 @@ def test_without_node_the_answer_says_what_to_install(start_server: Start, tmp_p
     with start_server(**NO_CLUSTER, PATH=without_node(tmp_path)).client() as api:
         answer = api.post(ADDRESS, json=APRICOT)
         assert (answer.status_code, answer.json()["code"]) == (503, "cannot-grow")
-        assert "Install Node 20 or newer" in answer.json()["detail"]
+        assert "Install Node 20 or newer" in answer.json()["hint"]
         assert api.get("/api/trees").json()["total"] == 0
 
 

@@ -11,8 +11,8 @@ from galewood.motion.wind import parse_wind_or_state
 from galewood.solid.fem import Place, load_model
 from galewood.table import Table, decode
 
-from galewood_server.jobs.analysis_files import store_result
-from galewood_server.jobs.model_job import with_model
+from galewood_server.jobs.analyses.analysis_files import store_result
+from galewood_server.jobs.analyses.model_job import with_model
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.jobs.stored_files import stored_bytes, stored_path
 from galewood_server.settings import Settings
@@ -32,7 +32,7 @@ def run_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores:
     if kind == "comparison":
         _compare(job_lease, reporter, request, stores)
     else:
-        from galewood_server.jobs.evaluation_job import evaluate
+        from galewood_server.jobs.analyses.evaluation_job import evaluate
 
         evaluate(job_lease, reporter, request, settings, stores)
 

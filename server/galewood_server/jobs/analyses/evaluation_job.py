@@ -11,7 +11,7 @@ from galewood.check.evaluation import SourceError, run_evaluation
 from galewood.options import EVALUATION_PEAK_RATIO, METHOD_NAMES, EvaluationOptions
 from galewood.table import read_metadata
 
-from galewood_server.jobs.analysis_files import PLOT_FILE, store_result
+from galewood_server.jobs.analyses.analysis_files import PLOT_FILE, store_result
 from galewood_server.jobs.progress import JobFailedError, JobLease, ProgressReporter
 from galewood_server.jobs.stored_files import stored_bytes, stored_path
 from galewood_server.settings import Settings

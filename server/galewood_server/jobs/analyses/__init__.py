@@ -1,0 +1,1 @@
+"""Comparisons and evaluations of tables against their finite element model."""
