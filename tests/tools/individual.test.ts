@@ -44,7 +44,7 @@ function sectionArea_m2({ positions, indices }: SurfaceMesh, height_m: number): 
 const top_m = (meshes: SurfaceMesh[]): number =>
   Math.max(...meshes.map(({ positions }) => positions.reduce((top, y, i) => (i % 3 === 1 ? Math.max(top, y) : top), 0)));
 
-const ASKED: Individual[] = [
+const ASKED: (Individual & { dbh_cm: number })[] = [
   { species: "oak", form: "open", seed: 1, height_m: 16, dbh_cm: 43 },
   { species: "oak", form: "open", seed: 2, height_m: 9, dbh_cm: 30 },
   { species: "spruce", form: "forest", seed: 0, height_m: 28, dbh_cm: 33 },
@@ -105,3 +105,19 @@ it("grows the same tree in a context without Node and without a page, as in a br
   const grow = `${output[0].code}; JSON.stringify(generator.growIndividual(${JSON.stringify(ASKED[0])}))`;
   expect(runInNewContext(grow)).toBe(JSON.stringify(growIndividual(ASKED[0])));
 }, 60_000);
+
+describe("a size that a species cannot have", () => {
+  const tall: Individual = { species: "oak", form: "open", seed: 3, height_m: 80, dbh_cm: 900 };
+
+  it("is refused, or becomes the nearest one", () => {
+    expect(() => growIndividual(tall)).toThrow(/out of range for English oak: choose 6\.4 to 25\.6 m/);
+    const grown = growIndividual({ ...tall, nearest_size: true });
+    expect(top_m([grown.leaves])).toBeCloseTo(25.6, 1);
+  });
+
+  it("follows from the height where the diameter is not known", () => {
+    const usual = growIndividual({ ...tall, height_m: 12, dbh_cm: null });
+    const given = growIndividual({ ...tall, height_m: 12, dbh_cm: 2 * 100 * 0.212 * (12 / 16) });
+    expect(usual.wood.positions).toEqual(given.wood.positions);
+  });
+});

@@ -17,6 +17,7 @@ import { FrameStatistics } from "./forest/frameStatistics";
 import { Planting } from "./forest/planting";
 import { World } from "./forest/world";
 import { InventoryPlanting } from "./inventory/inventoryPlanting";
+import { OwnTreesOfStems } from "./inventory/ownTreesOfStems";
 import { TreeOverlays } from "./overlays/treeOverlays";
 import { PaperMethod } from "./paper/paperMethod";
 import { PhysicsCards } from "./physics/physicsCards";
@@ -78,6 +79,7 @@ export function openPage(
   // The forest. Subscribers to one value are told in the order in which they are made.
   const paper = new PaperMethod(store, catalogue, world.client);
   const inventory = new InventoryPlanting(store, world);
+  new OwnTreesOfStems(store, catalogue, inventory.card);
   new Planting(store, world, catalogue, paper);
 
   // What the visitor does with it.

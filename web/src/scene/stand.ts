@@ -4,12 +4,15 @@ import { hashUnit } from "galewood/random";
 import type { Placement } from "galewood/trees";
 import type { TreeAsset } from "./forest";
 import { type FormChoice, formAt, kindsOf } from "./forms";
+import { arrivedOf, formOf, type Individual, nearestIndividual } from "./individuals";
 import { FOREST_CENTRE } from "./placement";
 
 export interface StandOptions {
   readonly form: FormChoice;
   /** The upload that has the name of a species; null if none has. */
   named(species: string): string | null;
+  /** Trees that were grown for these stems. */
+  readonly individuals?: readonly Individual[];
 }
 
 /** Ids of other places are smaller (placement.ts, clearing.ts). */
@@ -48,7 +51,8 @@ export function placeStand(
   return places;
 }
 
-function treeChooser(assets: readonly TreeAsset[], { form, named }: StandOptions) {
+function treeChooser(assets: readonly TreeAsset[], { form, named, individuals = [] }: StandOptions) {
+  const nearest = nearestIndividual(arrivedOf(individuals, assets), form);
   const kinds = kindsOf(assets.filter(({ builtin }) => builtin));
   const bySpecies = new Map(kinds.map((kind) => [(kind.open ?? kind.forest)?.species, kind]));
   const byId = new Map(assets.map((asset) => [asset.id, asset]));
@@ -60,10 +64,11 @@ function treeChooser(assets: readonly TreeAsset[], { form, named }: StandOptions
       uploads.set(stem.species, own);
     }
     if (own) return own;
+    const grown = byId.get(nearest(stem)?.id ?? "");
+    if (grown) return grown;
     // a server may have only some of the species
     const kind = bySpecies.get(stem.builtin) ?? kinds[0];
-    const slender = form === "place" ? stem.slender : form === "forest";
-    return kind ? formAt(kind, !slender) : null;
+    return kind ? formAt(kind, formOf(stem, form) === "open") : null;
   };
 }
 

@@ -18,6 +18,8 @@ export interface Stem {
   readonly height_m: number;
   /** Whether it has grown in a stand. */
   readonly slender: boolean;
+  /** Diameter at 1.3 m; null: not measured. */
+  readonly dbh_cm?: number | null;
 }
 
 /** How the file was interpreted: the main numbers as text by their names, and assumptions as sentences. */
@@ -76,7 +78,7 @@ function stemAt(stem: unknown, path: string): Stem {
   };
   const height_m = number("height_m");
   if (height_m <= 0) throw new InventoryError(`${path}.height_m: expected a number above 0`);
-  const { slender } = stem;
+  const { slender, dbh_cm } = stem;
   if (typeof slender !== "boolean") throw new InventoryError(`${path}.slender: expected true or false`);
   return {
     east_m: number("east_m"),
@@ -85,6 +87,7 @@ function stemAt(stem: unknown, path: string): Stem {
     builtin: text("builtin"),
     height_m,
     slender,
+    dbh_cm: typeof dbh_cm === "number" && dbh_cm > 0 ? dbh_cm : null,
   };
 }
 

@@ -3,6 +3,7 @@
 import type { Stem } from "galewood/inventory";
 import { clearingPlace } from "../../scene/clearing";
 import { type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../../scene/forest";
+import type { Individual } from "../../scene/individuals";
 import { woodReach_m } from "../../scene/placement";
 import { placeStand } from "../../scene/stand";
 import type { PaperMethod } from "../paper/paperMethod";
@@ -30,7 +31,8 @@ export function plantForest(
   const uploads = Object.keys(settings.planted);
   const single = Object.fromEntries(uploads.map((id, k) => [id, clearingPlace(k)]));
   if (stand) {
-    const places = placeStand(assets, stand.stems, { form: settings.form, named: stand.named });
+    const { stems, named, individuals } = stand;
+    const places = placeStand(assets, stems, { form: settings.form, named, individuals });
     return placedSpecies(assets, (asset) => places.get(asset) ?? [], single, settings.season);
   }
   return placeForest(assets, settings.trees, settings.forestSeed, {
@@ -40,9 +42,10 @@ export function plantForest(
   });
 }
 
-/** The stems of an inventory, and the uploads that have the names of species in it. */
+/** The stems of an inventory, the trees grown for them, and the uploads that have the names of species in it. */
 export interface PlantedStand {
   readonly stems: readonly Stem[];
+  readonly individuals?: readonly Individual[];
   named(species: string): string | null;
 }
 
@@ -80,6 +83,7 @@ export class Planting {
         settings.quality,
         settings.background,
         catalogue.assetChanges.value,
+        state.individuals,
         paper.arrivals.value,
       ],
       () => this.place(),
@@ -94,7 +98,7 @@ export class Planting {
    */
   private place(replant = false): void {
     const { settings, state, from_s } = this.store;
-    const { share, inventory } = state;
+    const { share, inventory, individuals } = state;
     this.owed ||= replant;
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
     if (share !== null && !this.catalogue.isLoaded) return;
@@ -103,7 +107,7 @@ export class Planting {
     if (waits && !replant) return;
     if (!this.planted && !this.catalogue.isLoaded && this.isPatient()) return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
-    const stand = inventory && { stems: inventory.stems, named };
+    const stand = inventory && { stems: inventory.stems, individuals, named };
     const placed = plantForest(this.catalogue.assets, settings, stand);
     this.planted = placed.some(({ motion }) => motion !== null);
     const { lookup, method, poseEasing } = settings;

@@ -11,8 +11,8 @@ export interface InventoryTools {
   remove(): void;
 }
 
-/** Makes the card, which is shown while an inventory is planted. */
-export function makeInventoryCard(state: Pick<PageState, "inventory">, tools: InventoryTools): void {
+/** Makes the card, which is shown while an inventory is planted; returns it. */
+export function makeInventoryCard(state: Pick<PageState, "inventory">, tools: InventoryTools): HTMLElement {
   const root = make("article", "", "card inventory");
   root.setAttribute("aria-label", "Forest from an inventory");
   const words = make("p");
@@ -34,4 +34,5 @@ export function makeInventoryCard(state: Pick<PageState, "inventory">, tools: In
     const { width_m, depth_m } = extentOf(stems);
     words.textContent = `${name}: ${stems.length} trees on ${width_m.toFixed(0)} × ${depth_m.toFixed(0)} m`;
   });
+  return root;
 }

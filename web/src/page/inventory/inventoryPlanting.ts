@@ -23,6 +23,7 @@ export function canBeShared({ state, settings }: Store): boolean {
 export class InventoryPlanting {
   /** The inventory of a link that has a view: only this one does not move the camera. */
   private readonly linkedWithView: string | null;
+  readonly card: HTMLElement;
 
   constructor(
     private readonly store: Store,
@@ -30,7 +31,7 @@ export class InventoryPlanting {
   ) {
     const { settings, opened } = store;
     this.linkedWithView = opened.eye === null ? null : settings.inventory;
-    makeInventoryCard(store.state, {
+    this.card = makeInventoryCard(store.state, {
       report: showInventory,
       look: (inventory) => this.look(inventory),
       remove: () => this.plant(null, ""),

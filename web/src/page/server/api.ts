@@ -7,6 +7,7 @@ import { type Sending, sendBody } from "./sending";
 export type Tree = Schemas["TreeSummary"];
 /** A tree with the report of its import and its build, as one is asked for; lists and events have none. */
 export type ReportedTree = Schemas["TreeOut"];
+export type IndividualOrder = Schemas["IndividualOrder"];
 export type Job = Schemas["JobOut"];
 /** Corrections of an upload; null restores the detected value. */
 export type Assumptions = Schemas["TreeChanges"];
@@ -114,6 +115,16 @@ export async function uploadTree(file: File, sending: Sending): Promise<Reported
 
 export async function fetchTree(id: string): Promise<ReportedTree> {
   return (await (await fetchApi(`api/trees/${encodeURIComponent(id)}`)).json()) as ReportedTree;
+}
+
+/** Asks for an individual of a built-in species, which a job makes unless it is there. */
+export async function growIndividual(order: IndividualOrder): Promise<Tree> {
+  const init = {
+    method: "POST",
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify(order),
+  };
+  return (await (await fetchApi("api/individuals", init)).json()) as Tree;
 }
 
 /** Queues the computation of a tree's table. */

@@ -99,7 +99,7 @@ export class Catalogue {
       ([bare]) => this.chooseFoliage(bare),
     );
     watch(
-      () => [settings.planted, settings.shares, state.inventory],
+      () => [settings.planted, settings.shares, state.inventory, state.individuals],
       () => this.takePlanted(),
     );
     this.stream = followEvents({
@@ -129,6 +129,7 @@ export class Catalogue {
   private isGrown({ tree }: Entry): boolean {
     const { settings, state } = this.store;
     const inventory = state.inventory === "loading" ? null : state.inventory;
+    if (tree.grown) return inventory !== null && state.individuals.some(({ id }) => id === tree.id);
     if (tree.builtin) return inventory ? this.standsFor(inventory, tree) : this.isInMix(tree);
     return plantedAs(settings, tree.id) !== null || (inventory !== null && isNamedIn(inventory, tree));
   }
@@ -174,9 +175,9 @@ export class Catalogue {
     });
   }
 
-  /** All uploads on the server, planted or not. */
+  /** All uploads on the server, planted or not; trees that it has grown are none. */
   get uploads(): { id: string; name: string }[] {
-    const uploads = [...this.entries.values()].filter(({ tree }) => !tree.builtin);
+    const uploads = [...this.entries.values()].filter(({ tree }) => !tree.builtin && !tree.grown);
     return uploads.map(({ tree }) => ({ id: tree.id, name: displayName(tree) }));
   }
 
@@ -283,8 +284,8 @@ export class Catalogue {
     const { mesh_sha256: mesh } = entry.tree;
     if (!mesh || mesh === entry.mesh) return;
     entry.mesh = mesh;
-    const { builtin, evergreen } = entry.tree;
-    const model = await this.readInTurn(await fetchMesh(mesh), { varied: builtin, evergreen });
+    const { builtin, grown = false, evergreen } = entry.tree;
+    const model = await this.readInTurn(await fetchMesh(mesh), { varied: builtin || grown, evergreen });
     if (entry.mesh !== mesh) return;
     entry.asset.model = model;
     this.join(entry);

@@ -3,6 +3,7 @@
  * feature subscribes to what it needs, and whoever changes a value need not know who does.
  */
 import { batch } from "@preact/signals-core";
+import type { Individual } from "../../scene/individuals";
 import type { NamedInventory } from "../inventory/namedInventory";
 import { type Moment, momentFrom } from "../settings/link";
 import { DEFAULTS, type Settings } from "../settings/settings";
@@ -18,6 +19,8 @@ export interface PageState {
   present: number | null;
   /** The inventory that is planted; null without one. `InventoryPlanting`. */
   inventory: NamedInventory | "loading" | null;
+  /** The trees that were grown for its stems; empty: the built-in ones stand for all. `OwnTreesOfStems`. */
+  individuals: readonly Individual[];
   /** Whether the event stream of the server is open. `Catalogue`. */
   connected: boolean;
   /** Whether nobody has looked at the page for a while. `followAttention`. */
@@ -55,6 +58,7 @@ export class Store {
       share: sharedFrom(query),
       present: null,
       inventory: null,
+      individuals: [],
       connected: true,
       away: false,
       placing: false,
