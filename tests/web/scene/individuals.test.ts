@@ -25,7 +25,7 @@ function stand(random: () => number, count: number): Stem[] {
     builtin: SPECIES[Math.floor(random() ** 2 * SPECIES.length)],
     height_m: 8 + 20 * random(),
     slender: random() < 0.5,
-    dbh_cm: random() < 0.7 ? 12 + 40 * random() : null,
+    ...(random() < 0.7 ? { dbh_cm: 12 + 40 * random() } : {}),
   }));
 }
 

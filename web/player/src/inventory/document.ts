@@ -18,8 +18,8 @@ export interface Stem {
   readonly height_m: number;
   /** Whether it has grown in a stand. */
   readonly slender: boolean;
-  /** Diameter at 1.3 m; null: not measured. */
-  readonly dbh_cm?: number | null;
+  /** Diameter at 1.3 m, if it was measured. */
+  readonly dbh_cm?: number;
 }
 
 /** How the file was interpreted: the main numbers as text by their names, and assumptions as sentences. */
@@ -87,7 +87,7 @@ function stemAt(stem: unknown, path: string): Stem {
     builtin: text("builtin"),
     height_m,
     slender,
-    dbh_cm: typeof dbh_cm === "number" && dbh_cm > 0 ? dbh_cm : null,
+    ...(typeof dbh_cm === "number" && dbh_cm > 0 ? { dbh_cm } : {}),
   };
 }
 
