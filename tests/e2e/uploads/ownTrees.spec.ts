@@ -45,7 +45,7 @@ test("stems get trees of their own, and their built-in ones back", async ({ page
   await trees.fill("3");
   await expect(card).toContainText("3 trees take 15 s of its processors");
   await card.getByRole("button", { name: "Grow own trees" }).click();
-  await expect(card).toContainText("3 trees of their own stand for 4 stems.", { timeout: 120_000 });
+  await expect(card).toContainText("3 trees of their own stand for 4 of 4 stems.", { timeout: 120_000 });
   const grown = await grownTrees(page);
   const names = grown.map(({ name }) => name).sort();
   expect(names).toEqual(expect.arrayContaining(["poplar-1", "poplar-2", "poplar-forest-1"]));
@@ -62,7 +62,7 @@ test("stems get trees of their own, and their built-in ones back", async ({ page
 
   // the same trees again: they are there
   await card.getByRole("button", { name: "Grow own trees" }).click();
-  await expect(card).toContainText("3 trees of their own stand for 4 stems.");
+  await expect(card).toContainText("3 trees of their own stand for 4 of 4 stems.");
   expect(await grownTrees(page)).toHaveLength(grown.length);
   expect(quiet.splice(0).filter((line) => !line.includes("409"))).toEqual([]);
 });

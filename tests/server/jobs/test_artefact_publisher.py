@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 from galewood.pipeline.results import BuildResult
-from galewood.pipeline.tables.options import BuildOptions
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
 from galewood_server.jobs.analyses.analysis_files import PLOT_FILE, store_result

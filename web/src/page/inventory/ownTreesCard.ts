@@ -21,7 +21,7 @@ export interface OwnTreesTools {
 export type OwnTreesState =
   | { readonly at: "offer"; readonly stems: number }
   | { readonly at: "growing"; readonly done: number; readonly all: number }
-  | { readonly at: "planted"; readonly trees: number; readonly stems: number };
+  | { readonly at: "planted"; readonly trees: number; readonly shown: number; readonly stems: number };
 
 export class OwnTreesCard {
   readonly root = make("form", "", "own-trees");
@@ -66,7 +66,10 @@ export class OwnTreesCard {
       this.bar.show(state.done / state.all);
       write(this.words, `Growing trees of their own: ${state.done} of ${state.all}`);
     } else {
-      write(this.words, `${state.trees} trees of their own stand for ${state.stems} stems.`);
+      write(
+        this.words,
+        `${state.trees} trees of their own stand for ${state.shown} of ${state.stems} stems.`,
+      );
     }
   }
 

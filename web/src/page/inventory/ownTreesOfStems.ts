@@ -1,7 +1,7 @@
 /** Has the server grow trees for the stems of an inventory, and plants them when all are there. */
 
 import type { Individual, Order } from "../../scene/individuals";
-import { treesToGrow } from "../../scene/individuals";
+import { nearestIndividual, treesToGrow } from "../../scene/individuals";
 import { cancelJob, deleteTree, growIndividual, isActive, Problem, type TreeChange } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
 import { withServer } from "../server/connected";
@@ -64,14 +64,15 @@ export class OwnTreesOfStems {
       },
     );
     watch(
-      () => [state.inventory, state.individuals, state.connected, state.share],
+      () => [state.inventory, state.individuals, state.connected, state.share, store.settings.form],
       () => this.show(),
     );
     this.show();
   }
 
   private show(): void {
-    const { inventory, individuals, connected, share } = this.store.state;
+    const { settings, state } = this.store;
+    const { inventory, individuals, connected, share } = state;
     const { batch, card } = this;
     // without a server nothing can be grown; in a shared forest the others would not have these trees
     card.root.hidden = inventory === null || inventory === "loading" || !connected || share !== null;
@@ -81,7 +82,9 @@ export class OwnTreesOfStems {
       const done = batch.ready.size + batch.faults.length;
       card.show({ at: "growing", done, all: batch.orders.length });
     } else if (individuals.length > 0) {
-      card.show({ at: "planted", trees: individuals.length, stems });
+      const nearest = nearestIndividual(individuals, settings.form);
+      const shown = inventory.stems.filter((stem) => nearest(stem) !== null).length;
+      card.show({ at: "planted", trees: individuals.length, shown, stems });
     } else card.show({ at: "offer", stems });
   }
 
