@@ -6,9 +6,9 @@ import { make, makeButton, write } from "../ui/dom";
 /** Most trees that are grown for one inventory: a server holds at most 64 tables in a forest. */
 export const MOST_TREES = 40;
 const USUAL_TREES = 12;
-/** Measured: a tree takes 5 s of one core; table and light mesh are sent without pictures. */
-const SECONDS_PER_TREE = 5;
-const MEGABYTES_PER_TREE = 0.5;
+/** Measured (docs/design/0036-individuals.md): time of one core; light mesh and table, whose pictures are there. */
+const SECONDS_PER_TREE = 7;
+const MEGABYTES_PER_TREE = 0.44;
 
 export interface OwnTreesTools {
   grow(budget: number): void;
@@ -83,7 +83,7 @@ export class OwnTreesCard {
     write(
       this.words,
       "Two trees of each species stand for all stems. The server can grow more, each nearest in size to some stems: " +
-        `${trees} trees take ${SECONDS_PER_TREE * trees} s of its processors, and ${MEGABYTES_PER_TREE * trees} MB to load.`,
+        `${trees} trees take ${SECONDS_PER_TREE * trees} s of its processors, and ${(MEGABYTES_PER_TREE * trees).toFixed(1)} MB to load.`,
     );
   }
 }
