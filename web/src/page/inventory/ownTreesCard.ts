@@ -4,7 +4,7 @@ import { ProgressBar } from "../progress/progressBar";
 import { make, makeButton, write } from "../ui/dom";
 
 /** Most trees that are grown for one inventory: a server holds at most 64 tables in a forest. */
-export const MOST_TREES = 40;
+const MOST_TREES = 40;
 const USUAL_TREES = 12;
 /** Measured (docs/design/0036-individuals.md): time of one core; light mesh and table, whose pictures are there. */
 const SECONDS_PER_TREE = 7;
