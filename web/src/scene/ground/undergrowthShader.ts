@@ -48,8 +48,10 @@ vec2 spun = spin * position.xz;
   // Stronger wind shakes the twigs more.
   float shaken = 1.0 + 1.5 * length(along);
   float tremble = 1.0 + shaken * (0.12 * sin(beat) + 0.08 * sin(2.7 * beat + 9.0 * position.x));
-  vec2 bow = along * BEND * tremble * position.y * position.y;
-  vec3 placed = vec3(spun.x + bow.x, position.y - dot(bow, bow), spun.y + bow.y);
+  // A stalk that bows is bent further by its own weight and its foliage, so that a storm lays ferns and saplings over.
+  float yielding = 0.75 + 0.55 * length(along);
+  vec2 bow = along * BEND * yielding * tremble * position.y * position.y;
+  vec3 placed = vec3(spun.x + bow.x, position.y - min(0.8 * position.y, dot(bow, bow)), spun.y + bow.y);
 #endif
 vec3 transformed = aPlant.xyz + aPlant.w * near * placed;
 vPlant = uv;

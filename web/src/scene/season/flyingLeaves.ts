@@ -17,12 +17,14 @@ import { flightFrom, LEAF_PATH, looseShare, REST_S } from "./leafFlight";
 import type { Season } from "./season";
 import { seasonal } from "./seasonal";
 
-const MAX_LEAVES: Record<Quality, number> = { low: 700, medium: 4000, high: 7000 };
+const MAX_LEAVES: Record<Quality, number> = { low: 900, medium: 4600, high: 7600 };
 /** Typical time from coming off to disappearing, s: a slot is free again after it. */
 const LIFE_S = 8;
 /** Leaves start on the surface of a crown, this share of its half axes from its centre. */
 const SHELL_RADIUS_SHARE = 0.92;
 const MOST_RANGES = 32;
+/** Channels of the random numbers that choose the crowns of which the nearest lets a leaf go. */
+const CROWN_CHANNELS = [0, 4, 5, 6, 7] as const;
 
 const VERTEX_PARS = /* glsl */ `
 attribute vec4 aFrom; // place where the leaf came off, m; time, s
@@ -174,10 +176,10 @@ export class FlyingLeaves {
     this.count++;
   }
 
-  /** The nearest to the eye of three random crowns: near leaves are seen best. */
+  /** The nearest to the eye of some random crowns: near leaves are seen best. */
   private nearer(crowns: Crowns, eye: { x: number; z: number }, at: (channel: number) => number): number {
     let [best, least_m] = [0, Number.POSITIVE_INFINITY];
-    for (const channel of [0, 4, 5]) {
+    for (const channel of CROWN_CHANNELS) {
       const crown = CROWN_FLOATS * Math.floor((at(channel) * crowns.length) / CROWN_FLOATS);
       const away_m = Math.hypot(crowns[crown] - eye.x, crowns[crown + 2] - eye.z);
       if (away_m < least_m) [best, least_m] = [crown, away_m];

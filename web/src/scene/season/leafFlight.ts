@@ -39,8 +39,8 @@ const SHORTEST_S = 0.3;
 
 /** Speed (m/s) at which leaves begin to come off, speed of a full storm, and number of leaves relative to autumn. */
 const LEAF_FALL_RANGES: Record<Season, readonly [from: number, full: number, share: number]> = {
-  spring: [6, 20, 0.4],
-  summer: [8, 20, 0.45],
+  spring: [6, 20, 0.55],
+  summer: [8, 20, 0.65],
   autumn: [2, 18, 1],
   winter: [0, 1, 0],
 };

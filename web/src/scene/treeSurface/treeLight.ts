@@ -40,20 +40,20 @@ varying vec4 vPiece;
 /**
  * The leaves of a spray move against each other: a field of displacements that differs from leaf to leaf bends its picture. It
  * vanishes at the edges of the picture's square tiles, which lie in two rows and hold different sprays. Largest displacement
- * relative to the height of the picture, and the wind at which it is reached, m/s.
+ * relative to the height of the picture at a wind, m/s; in stronger wind it grows further, up to a factor.
  */
 const SPRAY_SHIFT = 0.011;
 const SPRAY_FULL_M_S = 9;
+const SPRAY_MOST = 1.7;
 
 const SPRAY_MOTION = /* glsl */ `
-uniform vec2 uFlutter;
 vec2 sprayShift(vec2 at, vec4 piece, ivec2 size) {
   vec2 q = fract(2.0 * at * vec2(size) / float(size.y));
   q *= 1.0 - q;
   float own = 6.2832 * fract(31.7 * piece.x);
   vec2 hz = vec2(2.3, 3.1) + 3.0 * fract(vec2(7.3, 11.9) * piece.x);
   vec2 turn = 6.2832 * (hz * uFlutter.x + vec2(9.0 * at.x + 5.0 * at.y, 8.0 * at.y - 6.0 * at.x)) + vec2(own, 1.7 * own);
-  return ${SPRAY_SHIFT} * min(1.0, piece.w / ${SPRAY_FULL_M_S.toFixed(1)}) * 16.0 * q.x * q.y * sin(turn);
+  return ${SPRAY_SHIFT} * min(${SPRAY_MOST.toFixed(1)}, piece.w / ${SPRAY_FULL_M_S.toFixed(1)}) * 16.0 * q.x * q.y * sin(turn);
 }
 `;
 
@@ -138,17 +138,22 @@ diffuseColor.rgb *= mix(vec3(1.05, 1.01, 0.85), vec3(0.92, 1.02, 1.05), fract(vP
  * In strong wind leaves turn over and show their undersides, which scatter more light and have less colour than the glossy side: crowns
  * flash pale where a gust passes. Wind, m/s, at which the first leaves turn over, and at which the most do; their largest share, and the
  * lightness of the underside over that of the upper side (assumed). Distant crowns, whose pictures do not know the wind, stay as they
- * are, so that it fades between two distances, m.
+ * are, so that it fades between two distances, m. Leaves turn to and fro, at some hertz each, so that a crown glitters: a share
+ * of them at any moment.
  */
 const OVERTURNED_M_S = [7, 17] as const;
-const MOST_OVERTURNED = 0.5;
+const MOST_OVERTURNED = 0.6;
+const FLASHING_SHARE = 0.22;
+const FLASHING_HZ = [0.9, 1.6] as const;
 const UNDERSIDE_LIGHTNESS = 1.55;
 const OVERTURNED_WITHIN_M = [22, 42] as const;
 
 const UNDERSIDES = /* glsl */ `
 float overturned = ${MOST_OVERTURNED} * smoothstep(${OVERTURNED_M_S[0].toFixed(1)}, ${OVERTURNED_M_S[1].toFixed(1)}, vPiece.w);
 overturned *= 1.0 - smoothstep(${OVERTURNED_WITHIN_M[0].toFixed(1)}, ${OVERTURNED_WITHIN_M[1].toFixed(1)}, length(vViewPosition));
-float under = smoothstep(0.0, 0.25, overturned * 1.25 - fract(vPiece.x * 5.3));
+float flashHz = ${FLASHING_HZ[0]} + ${FLASHING_HZ[1]} * fract(vPiece.x * 17.9);
+float flash = ${FLASHING_SHARE} * sin(6.2832 * (flashHz * uFlutter.x + vPiece.x * 23.0));
+float under = overturned > 0.0 ? smoothstep(0.0, 0.25, overturned * (1.25 + flash) - fract(vPiece.x * 5.3)) : 0.0;
 vec3 underside = ${UNDERSIDE_LIGHTNESS} * mix(diffuseColor.rgb, vec3(dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722))), 0.4);
 diffuseColor.rgb = mix(diffuseColor.rgb, underside, under);
 `;
@@ -301,7 +306,8 @@ export function patchColour(
   atmosphere: AtmosphereShader,
 ): void {
   const leaves = part === "leaves";
-  const sprays = leaves && moves ? `#ifdef CUTICLE\n#define SPRAYS\n${SPRAY_MOTION}#endif\n` : "";
+  const sprays =
+    leaves && moves ? `uniform vec2 uFlutter;\n#ifdef CUTICLE\n#define SPRAYS\n${SPRAY_MOTION}#endif\n` : "";
   shader.fragmentShader = shader.fragmentShader
     .replace(
       "#include <common>",
