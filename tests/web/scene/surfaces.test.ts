@@ -17,7 +17,7 @@ test("the snow on the ground has a surface, declared once and used after the col
   groundMaterial({} as Pictures).onBeforeCompile(shader, null as never);
   const { fragmentShader: code } = shader;
   expect(times(code, "vec2 snowSlope(")).toBe(1);
-  expect(code.indexOf("* snowSlope(")).toBeGreaterThan(code.indexOf("float drift = drifted(g);"));
+  expect(code.indexOf("* snowSlope(")).toBeGreaterThan(code.indexOf("drift = drifted(g);"));
   expect(code.indexOf("#include <normal_fragment_begin>")).toBeLessThan(code.indexOf("* snowSlope("));
 });
 
@@ -28,6 +28,19 @@ test("leaves that move show their undersides in strong wind; still ones and wood
     return times(shader.fragmentShader, "vec3 underside =");
   };
   expect([shows("leaves", true), shows("leaves", false), shows("wood", true)]).toEqual([1, 0, 0]);
+  const shader = shaderOf(ShaderLib.standard);
+  patchColour(shader, "leaves", true, aerialPerspective);
+  expect(times(shader.fragmentShader, "uniform vec2 uFlutter;")).toBe(1); // with sprays and without
+});
+
+test("the ground reads six pictures at most, and the snow's only where snow lies", () => {
+  const shader = shaderOf(ShaderLib.lambert);
+  groundMaterial({} as Pictures).onBeforeCompile(shader, null as never);
+  const { fragmentShader: code } = shader;
+  const colour = code.slice(code.indexOf("vec2 g = vGround.xz;"), code.indexOf("float shaded ="));
+  expect(times(colour, "texture2D(")).toBe(6);
+  expect(colour.indexOf("drift = drifted(g);")).toBeGreaterThan(colour.indexOf("if (uSnow > 0.0)"));
+  expect(times(code, "uniform float uGrazing;")).toBe(1);
 });
 
 test("only leaves whose picture is known to have tiles of shoots repeat them where they are enlarged", () => {

@@ -12,6 +12,7 @@ varying float vMeadow;
 uniform sampler2D uNoise;
 uniform sampler2D uLitter;
 uniform sampler2D uGrass;
+uniform float uGrazing; // 1: pictures are read without anisotropic filtering
 uniform vec3 uGrassTint;
 uniform vec3 uLitterTint;
 uniform float uFallen;
@@ -51,26 +52,59 @@ if (uSnow > 0.0) {
 }
 `;
 
+/**
+ * Distances (m) from which on leaf litter and ragged edges fade into their mean, and are not read any more: their pictures repeat every
+ * 5 m, and are one colour that far away.
+ */
+const COARSE_FROM_M = [45, 70] as const;
+/** A picture whose share of the colour is less is not read. */
+const LEAST_SHARE = 0.01;
+/** Least height of the eye over its distance for which pictures get sharper: at this one they are at their sharpest. */
+const LEAST_STEEPNESS = 0.2;
+
+/**
+ * Pictures are read in branches that end where their share of the colour does, so that a wrong level of detail in the pixels along the
+ * edge of a branch, whose neighbours skip it, is not seen. (Reading with gradients would be exact, but takes software rendering longer than
+ * reading them all.) Without anisotropic filtering a picture seen at a grazing angle is blurred in both directions as the far one needs it:
+ * its level of detail is then finer by half of the logarithm of the ratio of both.
+ */
 const COLOUR_GLSL = /* glsl */ `
 vec2 g = vGround.xz;
+vec3 fromEye = vGround - cameraPosition;
+float away = length(fromEye);
 vec4 broad = texture2D(uNoise, g * 0.0043);
 vec4 patchy = texture2D(uNoise, g * 0.021 + 0.37);
-vec3 litter = texture2D(uLitter, g * 0.21).rgb;
-vec3 litterFar = texture2D(uLitter, mat2(0.8, 0.6, -0.6, 0.8) * g * 0.037).rgb;
-litter = mix(litter, litterFar, 0.35) * (0.85 + 0.6 * patchy.r) * uLitterTint;
-vec3 grass = texture2D(uGrass, g * 0.16).rgb * (0.75 + 0.45 * patchy.g);
-grass *= mix(vec3(0.66, 0.9, 0.75), vec3(0.95, 0.95, 0.75), broad.g) * uGrassTint;
-vec4 ragged = texture2D(uNoise, g * 0.19);
+float fine = 1.0 - smoothstep(${COARSE_FROM_M[0].toFixed(1)}, ${COARSE_FROM_M[1].toFixed(1)}, away);
+vec2 ragged = vec2(0.5); // its mean
+vec2 atRagged = g * 0.19;
+if (fine > 0.0) ragged = mix(ragged, texture2D(uNoise, atRagged).rg, fine);
 float open = smoothstep(0.28, 0.72, vMeadow + 0.75 * (patchy.b - 0.5) + 0.3 * (broad.r - 0.5) + 0.55 * (ragged.g - 0.5));
 // Without fallen leaves, grass and moss extend far into the forest.
 open = max(open, (1.0 - uFallen) * smoothstep(0.1, 0.55, patchy.g + 0.6 * (ragged.r - 0.5)));
-vec3 ground = mix(litter, grass, open);
 // Leaves blown onto the grass.
-ground = mix(ground, litter, open * smoothstep(0.62, 0.8, patchy.r) * 0.75 * uFallen);
-float bare = 0.4 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
-// Hollows between the drifts see less of the sky.
-float drift = drifted(g);
-ground = mix(ground, uSnowColour * (0.86 + 0.12 * patchy.b + 0.1 * drift), uSnow * (1.0 - bare));
+float grassy = open * (1.0 - smoothstep(0.62, 0.8, patchy.r) * 0.75 * uFallen);
+float finer = uGrazing * 0.5 * log2(clamp(-fromEye.y / away, ${LEAST_STEEPNESS.toFixed(1)}, 1.0));
+vec2 atLitter = g * 0.21;
+vec2 askew = mat2(0.8, 0.6, -0.6, 0.8) * g * 0.037;
+vec2 atGrass = g * 0.16;
+vec3 ground = vec3(0.0);
+if (grassy < ${(1 - LEAST_SHARE).toFixed(2)}) {
+  vec3 litter = texture2D(uLitter, askew, finer).rgb;
+  if (fine > 0.0) litter = mix(litter, texture2D(uLitter, atLitter, finer).rgb, 0.65 * fine);
+  ground = (1.0 - grassy) * litter * (0.85 + 0.6 * patchy.r) * uLitterTint;
+}
+if (grassy > ${LEAST_SHARE.toFixed(2)}) {
+  vec3 grass = texture2D(uGrass, atGrass, finer).rgb * (0.75 + 0.45 * patchy.g);
+  ground += grassy * grass * mix(vec3(0.66, 0.9, 0.75), vec3(0.95, 0.95, 0.75), broad.g) * uGrassTint;
+}
+float bare = 0.0;
+float drift = 0.0;
+if (uSnow > 0.0) {
+  bare = 0.4 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
+  // Hollows between the drifts see less of the sky.
+  drift = drifted(g);
+  ground = mix(ground, uSnowColour * (0.86 + 0.12 * patchy.b + 0.1 * drift), uSnow * (1.0 - bare));
+}
 ${GROUND_SHADE}
 diffuseColor.rgb = ground;
 `;
@@ -96,6 +130,7 @@ export function groundMaterial(pictures: Pictures): MeshLambertMaterial {
       uNoise: { value: pictures.noise },
       uLitter: { value: pictures.litter },
       uGrass: { value: pictures.grass },
+      uGrazing: pictures.grazing,
     });
     const varyings = "attribute float aMeadow;\nvarying vec3 vGround;\nvarying float vMeadow;";
     shader.vertexShader = shader.vertexShader

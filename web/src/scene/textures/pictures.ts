@@ -47,6 +47,8 @@ export class Pictures {
   readonly litter = smoothed(tiled(plain(107, 70, 32, 255)), true);
   readonly grass = smoothed(tiled(plain(110, 107, 45, 255)), true);
   readonly plants = smoothed(plain(0, 0, 0, 0), false);
+  /** 1 where the ground is filtered the same in all directions, else 0. */
+  readonly grazing = { value: 0 };
   private readonly painter: Worker | null = null;
 
   constructor() {
@@ -70,8 +72,9 @@ export class Pictures {
 
   /** Anisotropic filtering of the ground, depending on quality: it is expensive with software rendering. */
   setQuality(quality: Quality): void {
+    const samples = quality === "low" ? 1 : 4;
+    this.grazing.value = samples === 1 ? 1 : 0;
     for (const made of [this.litter, this.grass]) {
-      const samples = quality === "low" ? 1 : 4;
       if (made.anisotropy === samples) continue;
       made.anisotropy = samples;
       made.needsUpdate = true;
