@@ -72,7 +72,7 @@ describe("root flare", () => {
   it("has soil on it at the ground, evenly less with height and none at the top", () => {
     const at_m = (v: number) => flare.positions[3 * v + 1];
     const vertices = [...flare.hold.keys()].sort((a, b) => at_m(a) - at_m(b));
-    for (const v of vertices) expect(flare.soil[v]).toBeCloseTo(1 - at_m(v) / 0.26, 5);
+    for (const v of vertices) expect(flare.soil[v]).toBeCloseTo(1 - at_m(v) / 0.3, 5);
     expect(flare.soil[vertices[0]]).toBeGreaterThan(1);
     expect(flare.soil[vertices.at(-1) ?? 0]).toBeLessThan(0);
   });

@@ -181,15 +181,14 @@ function parentOf(tube: Tube, tubes: readonly Tube[]): AxisPlace | null {
 /** The collars of the thickest boughs; null if the wood has none. `ofVertex`: the piece of each vertex. */
 export function branchCollars(wood: Wood, ofVertex: ArrayLike<number>): CollarMesh | null {
   const tubes = tubesOf(wood, ofVertex);
-  const thick = tubes
-    .filter(({ radii_m }) => radii_m[0] >= LEAST_RADIUS_M)
-    .sort((a, b) => b.radii_m[0] - a.radii_m[0])
-    .flatMap((tube) => {
-      const parent = parentOf(tube, tubes);
-      return parent ? [{ tube, parent }] : [];
-    })
-    .slice(0, MOST_COLLARS);
-  return thick.length === 0 ? null : meshOf(thick.map(({ tube, parent }) => gridOf(wood, tube, parent)));
+  const thick = tubes.filter(({ radii_m }) => radii_m[0] >= LEAST_RADIUS_M);
+  const grids: Grid[] = [];
+  for (const tube of thick.sort((one, other) => other.radii_m[0] - one.radii_m[0])) {
+    if (grids.length === MOST_COLLARS) break; // before looking for more parents: the search takes the most time
+    const parent = parentOf(tube, tubes);
+    if (parent) grids.push(gridOf(wood, tube, parent));
+  }
+  return grids.length === 0 ? null : meshOf(grids);
 }
 
 /** The grids as triangles, which face outwards as those of the boughs do. */

@@ -40,7 +40,7 @@ const CUT_SHARES = [0.08, 0.2, 0.36, 0.58] as const;
 /** How far the flare reaches below the ground, m. */
 const SUNK_M = 0.3;
 /** Soil and wet litter reach so high up the bark, relative to the stem's radius. */
-const SOIL_HEIGHT = 1.3;
+const SOIL_HEIGHT = 1.5;
 /** Thickness that it keeps outside of the stem at the top, relative to the radius: too little to be seen. */
 const CLEAR_SHARE = 0.002;
 /** The stem is within so many radii of its axis. */

@@ -176,7 +176,7 @@ if (vPiece.z > 0.0) {
     vec2 spot = vec2(0.0);
   #endif
   float rough = 0.6 * sin(17.0 * spot.x + 3.0 * sin(31.0 * spot.y)) + 0.4 * sin(83.0 * spot.x - 97.0 * spot.y + 4.0 * sin(29.0 * spot.x));
-  float soil = smoothstep(0.1, 1.05, vPiece.z + 0.09 * rough);
+  float soil = smoothstep(0.0, 0.8, vPiece.z + 0.07 * rough);
   diffuseColor.rgb = mix(diffuseColor.rgb, ${SOIL_RGB} * (0.9 + 1.2 * diffuseColor.g + 0.3 * rough), 0.93 * soil);
 }
 `;
