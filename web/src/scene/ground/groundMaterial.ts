@@ -64,8 +64,8 @@ const LEAST_STEEPNESS = 0.2;
 
 /**
  * Pictures are read in branches that end where their share of the colour does, so that a wrong level of detail in the pixels along the
- * edge of a branch, whose neighbours skip it, is not seen. (Reading with gradients would be exact, but takes software rendering longer than
- * reading them all.) Without anisotropic filtering a picture seen at a grazing angle is blurred in both directions as the far one needs it:
+ * edge of a branch, whose neighbours skip it, is not seen. (Reading with gradients would be exact, but takes software rendering four
+ * times as long.) Without anisotropic filtering a picture seen at a grazing angle is blurred in both directions as the far one needs it:
  * its level of detail is then finer by half of the logarithm of the ratio of both.
  */
 const COLOUR_GLSL = /* glsl */ `
