@@ -40,7 +40,7 @@ test("the ground reads six pictures at most, and the snow's only where snow lies
   const colour = code.slice(code.indexOf("vec2 g = vGround.xz;"), code.indexOf("float shaded ="));
   expect(times(colour, "texture2D(")).toBe(6);
   expect(colour.indexOf("drift = drifted(g);")).toBeGreaterThan(colour.indexOf("if (uSnow > 0.0)"));
-  expect(times(code, "uniform float uGrazing;")).toBe(1);
+  expect(times(code, "uniform float uBias;")).toBe(1);
 });
 
 test("only leaves whose picture is known to have tiles of shoots repeat them where they are enlarged", () => {

@@ -12,7 +12,7 @@ varying float vMeadow;
 uniform sampler2D uNoise;
 uniform sampler2D uLitter;
 uniform sampler2D uGrass;
-uniform float uGrazing; // 1: pictures are read without anisotropic filtering
+uniform float uBias; // of the level of detail of pictures
 uniform vec3 uGrassTint;
 uniform vec3 uLitterTint;
 uniform float uFallen;
@@ -59,19 +59,15 @@ if (uSnow > 0.0) {
 const COARSE_FROM_M = [45, 70] as const;
 /** A picture whose share of the colour is less is not read. */
 const LEAST_SHARE = 0.01;
-/** Least height of the eye over its distance for which pictures get sharper: at this one they are at their sharpest. */
-const LEAST_STEEPNESS = 0.2;
-
 /**
  * Pictures are read in branches that end where their share of the colour does, so that a wrong level of detail in the pixels along the
  * edge of a branch, whose neighbours skip it, is not seen. (Reading with gradients would be exact, but takes software rendering four
- * times as long.) Without anisotropic filtering a picture seen at a grazing angle is blurred in both directions as the far one needs it:
- * its level of detail is then finer by half of the logarithm of the ratio of both.
+ * times as long.) Without anisotropic filtering the whole ground is blurred as the far side of a
+ * pixel's footprint needs it: `uBias` makes it sharper, by the same everywhere, because a bias that varies is as slow as gradients.
  */
 const COLOUR_GLSL = /* glsl */ `
 vec2 g = vGround.xz;
-vec3 fromEye = vGround - cameraPosition;
-float away = length(fromEye);
+float away = length(vViewPosition);
 vec4 broad = texture2D(uNoise, g * 0.0043);
 vec4 patchy = texture2D(uNoise, g * 0.021 + 0.37);
 float fine = 1.0 - smoothstep(${COARSE_FROM_M[0].toFixed(1)}, ${COARSE_FROM_M[1].toFixed(1)}, away);
@@ -83,18 +79,17 @@ float open = smoothstep(0.28, 0.72, vMeadow + 0.75 * (patchy.b - 0.5) + 0.3 * (b
 open = max(open, (1.0 - uFallen) * smoothstep(0.1, 0.55, patchy.g + 0.6 * (ragged.r - 0.5)));
 // Leaves blown onto the grass.
 float grassy = open * (1.0 - smoothstep(0.62, 0.8, patchy.r) * 0.75 * uFallen);
-float finer = uGrazing * 0.5 * log2(clamp(-fromEye.y / away, ${LEAST_STEEPNESS.toFixed(1)}, 1.0));
 vec2 atLitter = g * 0.21;
 vec2 askew = mat2(0.8, 0.6, -0.6, 0.8) * g * 0.037;
 vec2 atGrass = g * 0.16;
 vec3 ground = vec3(0.0);
 if (grassy < ${(1 - LEAST_SHARE).toFixed(2)}) {
-  vec3 litter = texture2D(uLitter, askew, finer).rgb;
-  if (fine > 0.0) litter = mix(litter, texture2D(uLitter, atLitter, finer).rgb, 0.65 * fine);
+  vec3 litter = texture2D(uLitter, askew, uBias).rgb;
+  if (fine > 0.0) litter = mix(litter, texture2D(uLitter, atLitter, uBias).rgb, 0.65 * fine);
   ground = (1.0 - grassy) * litter * (0.85 + 0.6 * patchy.r) * uLitterTint;
 }
 if (grassy > ${LEAST_SHARE.toFixed(2)}) {
-  vec3 grass = texture2D(uGrass, atGrass, finer).rgb * (0.75 + 0.45 * patchy.g);
+  vec3 grass = texture2D(uGrass, atGrass, uBias).rgb * (0.75 + 0.45 * patchy.g);
   ground += grassy * grass * mix(vec3(0.66, 0.9, 0.75), vec3(0.95, 0.95, 0.75), broad.g) * uGrassTint;
 }
 float bare = 0.0;
@@ -130,7 +125,7 @@ export function groundMaterial(pictures: Pictures): MeshLambertMaterial {
       uNoise: { value: pictures.noise },
       uLitter: { value: pictures.litter },
       uGrass: { value: pictures.grass },
-      uGrazing: pictures.grazing,
+      uBias: pictures.groundBias,
     });
     const varyings = "attribute float aMeadow;\nvarying vec3 vGround;\nvarying float vMeadow;";
     shader.vertexShader = shader.vertexShader

@@ -12,6 +12,11 @@ import { type LandPicture, type LandPictures, paintLand } from "./landPictures";
 import { paintNoise } from "./paint";
 
 const NOISE_PX = 256;
+/**
+ * Bias of the ground's level of detail where it is filtered the same in all directions: between the blur of the long side of a pixel's
+ * footprint and the noise of the short one.
+ */
+const SHARPER_BIAS = -0.6;
 
 function smoothed(made: DataTexture, colour: boolean): DataTexture {
   made.magFilter = LinearFilter;
@@ -47,8 +52,8 @@ export class Pictures {
   readonly litter = smoothed(tiled(plain(107, 70, 32, 255)), true);
   readonly grass = smoothed(tiled(plain(110, 107, 45, 255)), true);
   readonly plants = smoothed(plain(0, 0, 0, 0), false);
-  /** 1 where the ground is filtered the same in all directions, else 0. */
-  readonly grazing = { value: 0 };
+  /** Bias of the level of detail of the ground's pictures. */
+  readonly groundBias = { value: 0 };
   private readonly painter: Worker | null = null;
 
   constructor() {
@@ -73,7 +78,7 @@ export class Pictures {
   /** Anisotropic filtering of the ground, depending on quality: it is expensive with software rendering. */
   setQuality(quality: Quality): void {
     const samples = quality === "low" ? 1 : 4;
-    this.grazing.value = samples === 1 ? 1 : 0;
+    this.groundBias.value = samples === 1 ? SHARPER_BIAS : 0;
     for (const made of [this.litter, this.grass]) {
       if (made.anisotropy === samples) continue;
       made.anisotropy = samples;
