@@ -5,11 +5,8 @@ import { type FrameStatistics, isFrameDue, MAX_FRAME_S } from "./frameStatistics
 import type { World } from "./world";
 
 const REPORT_EVERY_MS = 250;
-/**
- * The land is drawn without trees only if these take longer, and longest if they have arrived: its first picture, which takes seconds in
- * software, would delay them.
- */
-const LAND_AFTER_MS = { loading: 3000, arrived: 15_000 } as const;
+/** The land is drawn without trees only if these take longer: its first picture would delay them. */
+const LAND_AFTER_MS = 3000;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
 
@@ -64,8 +61,7 @@ export class FrameLoop {
     const passed_s = state.stopped ? 0 : Math.min(MAX_FRAME_S, Math.max(0, frame_ms / 1000));
     this.last_ms = now_ms;
     const played_s = playback.advance_s(passed_s, settings.lookup === "server");
-    const { hasTrees, expectsTrees } = this.world;
-    const early = !hasTrees && performance.now() < LAND_AFTER_MS[expectsTrees ? "arrived" : "loading"];
+    const early = !this.world.hasTrees && performance.now() < LAND_AFTER_MS;
     if (!early) {
       this.move({ passed_s, played_s: played_s ?? 0, playing: played_s !== null });
       this.draw(passed_s);

@@ -44,7 +44,6 @@ export class World {
   private viewChanged = true;
   /** Turns of the trees that have not been selected since the camera moved last. */
   private turnsLeft = 0;
-  private prepared = false;
 
   constructor(
     private readonly store: Store,
@@ -118,14 +117,8 @@ export class World {
     return this.forest.group.children.length > 0;
   }
 
-  /** Whether trees have arrived that are still to be shown. */
-  get expectsTrees(): boolean {
-    return this.prepared && !this.hasTrees;
-  }
-
   /** Makes what a placement needs that is to be shown soon; the driver compiles it meanwhile. */
   prepare(placed: readonly PlacedSpecies[]): void {
-    this.prepared = placed.length > 0;
     const { renderer, camera, scene } = this.stage;
     for (const group of this.forest.prepare(placed)) renderer.compile(group, camera, scene);
   }

@@ -71,8 +71,11 @@ vec2 shootCopy(vec2 at) {
 }
 `;
 
+/** Leaves are cut off below this alpha. */
+export const ALPHA_TEST = 0.42;
+
 /** Density of leaves from afar relative to that of their picture. */
-const FAR_DENSITY = "1.6";
+const FAR_DENSITY = 1.6;
 
 /**
  * Alpha of a leaf picture that is drawn smaller than it is, in texels per pixel: then it is the share of a pixel that leaves cover.
@@ -87,7 +90,7 @@ float leafCover(float alpha, vec2 texel, float wide, float piece) {
   if (far == 0.0) return alpha;
   vec2 cell = floor(texel * exp2(-ceil(level))) + 59.0 * floor(97.0 * piece);
   float chance = fract(52.9829189 * fract(dot(cell, vec2(0.06711056, 0.00583715))));
-  float covered = clamp(0.42 + 4.0 * (${FAR_DENSITY} * alpha - chance), 0.0, 1.0);
+  float covered = clamp(${ALPHA_TEST} + 4.0 * (${FAR_DENSITY.toFixed(1)} * alpha - chance), 0.0, 1.0);
   return mix(alpha, covered, far);
 }
 `;

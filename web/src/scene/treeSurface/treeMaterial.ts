@@ -15,9 +15,7 @@ import {
   type Texture,
   ZeroFactor,
 } from "three";
-import { type AtmosphereShader, patchColour, type SurfaceUniforms } from "./treeLight";
-
-const ALPHA_TEST = 0.42;
+import { ALPHA_TEST, type AtmosphereShader, patchColour, type SurfaceUniforms } from "./treeLight";
 
 function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
   if (texture) texture.anisotropy = anisotropy;
