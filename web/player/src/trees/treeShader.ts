@@ -135,7 +135,7 @@ vec3 transformed = aPlace.xyz + stood(local);
 vTint = aTint;
 vPiece = aPiece;
 #ifdef LEAVES
-  vPiece.z = leafGrowth;
+  vPiece.z = leafGrowth; // for the picture of an enlarged leaf
 #endif
 #if defined(LEAVES) && !defined(STILL)
   vPiece.y = clamp(vPiece.y * (1.0 + 0.5 * leafSwing), 0.0, 1.0); // a leaf that turns catches more light, or less
