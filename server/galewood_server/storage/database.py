@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from alembic.config import Config
 
 Sessions = sessionmaker[Session]
-REVISIONS = ("0001", "0002")
+REVISIONS = ("0001",)
 """The schema revisions, known without loading Alembic; a test compares them with the migrations."""
 HEAD_REVISION = REVISIONS[-1]
 

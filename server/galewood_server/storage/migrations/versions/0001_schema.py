@@ -35,6 +35,7 @@ def upgrade() -> None:
         sa.Column("records_sha256", sa.String(64)),
         sa.Column("bare_table_sha256", sa.String(64)),
         sa.Column("form", sa.String(16), nullable=False, server_default="open"),
+        sa.Column("grown", sa.Boolean, nullable=False, server_default=sa.false()),
         sa.Column("compliance_sha256", sa.String(64)),
     )
     op.create_table(
