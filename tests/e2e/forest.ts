@@ -82,9 +82,11 @@ export const test = base.extend<Watched>({
 
 export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?${query}`);
 
-/** Waits until moving trees are displayed. */
+/** Waits until all trees are displayed and move. */
 export async function forest(page: Page): Promise<void> {
-  await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0 && window.galewood!.time_s > 0.2);
+  await page.waitForFunction(
+    () => window.galewood?.isWhole && window.galewood.trees.moving > 0 && window.galewood.time_s > 0.2,
+  );
 }
 
 /** Waits until the distant trees are baked and in place. */

@@ -73,10 +73,10 @@ export async function openPage(browser: Browser, base: string, query: string): P
   return page;
 }
 
-/** Waits until every species moves. */
+/** Waits until every tree moves. */
 export async function untilMoving(page: Page): Promise<void> {
   await page.waitForFunction(
-    () => (window.galewood?.readySpecies.length ?? 0) >= 3 && (window.galewood?.time_s ?? 0) > 0.5,
+    () => window.galewood?.isWhole && window.galewood.trees.moving > 0 && window.galewood.time_s > 0.5,
     undefined,
     { timeout: 180_000 },
   );

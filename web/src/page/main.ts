@@ -54,19 +54,22 @@ function openedSettings(software: boolean): { settings: Settings; defaults: Sett
   return { settings, defaults };
 }
 
-/** The trees load while the graphics are looked at; which settings those suggest is known afterwards. */
+/** Looking at the graphics and making the scene occupy the page, so the first tree is asked for before, unless the list takes longer. */
+const LIST_PATIENCE_MS = 400;
+
+/** The first tree loads while the scene is made; which settings the graphics suggest is known after the start. */
 async function start(): Promise<void> {
-  const looking = detectGraphics();
   const { settings, defaults } = openedSettings(false);
   const store = new Store(settings, defaults, location.search);
   const trees = loadTrees(store);
-  await painted();
-  const graphics = await looking;
+  await Promise.all([painted(), Promise.race([trees.catalogue.firstLoads, wait(LIST_PATIENCE_MS)])]);
+  const graphics = detectGraphics();
   if (!graphics.webgl2) {
     trees.dispose();
     showNoGraphics();
     return;
   }
+  if (!graphics.software) trees.catalogue.loadAll();
   const suited = openedSettings(graphics.software);
   store.suit(suited.settings, suited.defaults);
   document.body.classList.toggle("bare", !settings.panel);
@@ -89,6 +92,8 @@ function painted(): Promise<void> {
     setTimeout(done, 300);
   });
 }
+
+const wait = (time_ms: number) => new Promise((done) => setTimeout(done, time_ms));
 
 connectAbout();
 

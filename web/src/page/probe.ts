@@ -12,6 +12,8 @@ interface Probe {
   readonly time_s: number;
   readonly readySpecies: string[];
   readonly trees: { moving: number; still: number };
+  /** Whether all trees are loaded and planted. */
+  readonly isWhole: boolean;
   /** Number of trees of an upload or of a form of a species, by its id on the server. */
   planted(treeId: string): number;
   /** Number of trees that move by the paper's state search. */
@@ -85,6 +87,9 @@ export function exposeProbe(page: Page): void {
     },
     get trees() {
       return figures.trees;
+    },
+    get isWhole() {
+      return figures.isWhole;
     },
     planted: (treeId) => figures.planted(treeId),
     get paperTrees() {

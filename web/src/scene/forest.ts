@@ -15,6 +15,7 @@ import {
   type TreeModel,
 } from "galewood/trees";
 import { Group, type WebGLRenderer } from "three";
+import type { Viewpoint } from "./camera/viewpoints";
 import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
 import type { ImpostorLibrary } from "./impostors/library";
@@ -99,6 +100,33 @@ export function placeForest(
   const planted = plant(assets.filter(grows), places, shares, form);
   const placesOf = (asset: TreeAsset) => places.filter((_, i) => planted[i] === asset);
   return placedSpecies(assets, placesOf, single, season);
+}
+
+/** Beside the axis of a view a tree may stand this far, relative to its distance along the axis, to be in the middle of the picture. */
+const MIDDLE_SHARE = 0.4;
+
+/** The tree of which an instance of `placeForest` is nearest in the middle of the picture; null without any. */
+export function firstInView(
+  assets: readonly TreeAsset[],
+  count: number,
+  seed: number,
+  { density = 1, shares = {}, form = "place" }: PlacementOptions,
+  { eye, target }: Viewpoint,
+): TreeAsset | null {
+  const places = placeTrees(count, seed, density);
+  const [x, z] = [target.x - eye.x, target.z - eye.z];
+  const length_m = Math.hypot(x, z) || 1;
+  let first: TreeAsset | null = null;
+  let nearest_m = Number.POSITIVE_INFINITY;
+  plant(assets, places, shares, form).forEach((asset, k) => {
+    const [dx, dz] = [places[k].x_m - eye.x, places[k].z_m - eye.z];
+    const along_m = (dx * x + dz * z) / length_m;
+    const beside_m = Math.abs(dx * z - dz * x) / length_m;
+    if (!asset?.hasTable || beside_m > MIDDLE_SHARE * along_m || along_m >= nearest_m) return;
+    nearest_m = along_m;
+    first = asset;
+  });
+  return first;
 }
 
 /** The trees at these places, and the single ones, by species; those whose model is not loaded are left out. */

@@ -5,6 +5,7 @@ import type { WindField } from "galewood/wind";
 import {
   ACESFilmicToneMapping,
   Frustum,
+  Group,
   Matrix4,
   PCFShadowMap,
   PerspectiveCamera,
@@ -60,6 +61,8 @@ export class Stage {
   private readonly snow: Snowfall;
   readonly cover: GroundCover;
   readonly backdrop: Backdrop;
+  /** What the first picture of the trees does without. */
+  private readonly further = new Group();
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -93,16 +96,16 @@ export class Stage {
     this.undergrowth = new Undergrowth(quality, this.pictures, this.wind);
     this.leaves = new FlyingLeaves(quality, groundHeight_m);
     this.snow = new Snowfall(quality);
-    this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);
-    this.scene.add(
-      this.terrain.mesh,
+    this.further.add(
+      this.undergrowth.group,
+      this.leaves.mesh,
+      this.snow.mesh,
       this.feet.mesh,
-      this.sky.mesh,
       this.cover.mesh,
       this.backdrop.wood.group,
       this.backdrop.canopy.mesh,
-      this.daylight.group,
     );
+    this.scene.add(this.terrain.mesh, this.sky.mesh, this.daylight.group, this.further);
     this.camera.position.copy(EDGE_VIEW.eye);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
@@ -230,9 +233,14 @@ export class Stage {
     };
   }
 
-  /** `dt_s`: time since the last picture, in which the exposure adapts. */
-  render(dt_s = 0): void {
-    this.backdrop.prepare(this.renderer);
+  /**
+   * `dt_s`: time since the last picture, in which the exposure adapts. `whole`: with all that grows and flies around the
+   * trees, and with shadows; the drivers take long to make these ready.
+   */
+  render(dt_s: number, whole: boolean): void {
+    this.further.visible = whole;
+    this.renderer.shadowMap.autoUpdate = whole;
+    if (whole) this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     if (this.occlusion) this.occlusion.render();
     else this.renderer.render(this.scene, this.camera);

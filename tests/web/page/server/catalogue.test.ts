@@ -3,6 +3,8 @@ import { afterEach, describe, expect, test, vi } from "vitest";
 import type { Tree } from "../../../../web/src/page/server/api";
 import { Catalogue } from "../../../../web/src/page/server/catalogue";
 import { DEFAULTS, type Settings } from "../../../../web/src/page/settings/settings";
+import { EDGE_VIEW } from "../../../../web/src/scene/camera/viewpoints";
+import { firstInView } from "../../../../web/src/scene/forest";
 import { watch } from "../../../../web/src/page/store/signals";
 import { Store } from "../../../../web/src/page/store/store";
 import type { TableMotion } from "../../../../web/player/src/worker/protocol";
@@ -29,8 +31,8 @@ const recorded = (table: string, records: string | null): Tree => ({ ...tree(tab
 const motionOf = (sha256: string, vertices = 3) =>
   ({ sha256, vertexNode: new Uint16Array(vertices) }) as unknown as TableMotion;
 
-/** A catalogue whose tables are delivered by the test. */
-function started(settings: Partial<Settings> = {}) {
+/** A catalogue whose tables are delivered by the test. `waiting`: for its first tree. */
+function started(settings: Partial<Settings> = {}, waiting = false) {
   const store = new Store({ ...DEFAULTS, season: "summer", ...settings }, DEFAULTS, "");
   const arriving = new Map<string, { resolve(motion: TableMotion): void; reject(error: Error): void }>();
   const grown: (string | null)[] = [];
@@ -45,6 +47,7 @@ function started(settings: Partial<Settings> = {}) {
     // A mesh is read in a task of its own.
     for (let task = 0; task < 3; task++) await new Promise((done) => setTimeout(done));
   };
+  if (!waiting) catalogue.loadAll();
   return { arriving, grown, settle, catalogue, settings: store.settings, state: store.state };
 }
 
@@ -106,6 +109,46 @@ test("species outside the mix are loaded when they are wanted, by their share or
   state.inventory = { builtin: new Set(["oak", "palm"]), names: new Set() } as unknown as typeof state.inventory;
   await settle();
   expect(catalogue.assets.map(({ id }) => id)).toEqual(["elm", "oak-forest", "oak"]);
+});
+
+describe("the first tree", () => {
+  const oak = { ...tree("oak"), id: "oak", species: "oak" };
+  const three = [tree("elm"), oak, { ...tree("ash"), id: "ash", species: "ash" }];
+
+  /** A catalogue that has chosen its first tree. */
+  async function chosen(settings: Partial<Settings> = {}) {
+    const all = started({ shares: {}, ...settings }, true);
+    for (const one of three) handlers.change({ tree: one, job: null });
+    await all.catalogue.firstLoads;
+    await all.settle();
+    return all;
+  }
+
+  test("stands in the middle of the first picture, and loads before the others", async () => {
+    const { arriving, settle, state, catalogue, settings } = await chosen();
+    expect(catalogue.awaitsFirst).toBe(true);
+    const first = firstInView(catalogue.assets, settings.trees, settings.forestSeed, settings, EDGE_VIEW);
+    expect([...arriving.keys()]).toEqual([first?.id]);
+    state.treesSeen = true;
+    await settle();
+    expect(catalogue.awaitsFirst).toBe(false);
+    expect([...arriving.keys()].toSorted()).toEqual(["ash", "elm", "oak"]);
+  });
+
+  test("that cannot be loaded does not hold up the others", async () => {
+    const { arriving, settle } = await chosen({ shares: { ash: 0 } });
+    arriving.values().next().value?.reject(new Error("404"));
+    await settle();
+    expect([...arriving.keys()].toSorted()).toEqual(["elm", "oak"]);
+  });
+
+  test("is not waited for by an inventory or where a link shares the forest", async () => {
+    const { arriving, settle, state } = await chosen();
+    state.inventory = "loading";
+    await settle();
+    expect(arriving.size).toBe(3);
+    expect(new Catalogue(new Store(DEFAULTS, DEFAULTS, "?share=f00d"), { loadTable: vi.fn() }).awaitsFirst).toBe(false);
+  });
 });
 
 test("a table of another mesh is not used", async () => {

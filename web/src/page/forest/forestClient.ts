@@ -196,6 +196,11 @@ export class ForestClient {
     this.send(message, spare ? packetBuffers(spare) : []);
   }
 
+  /** Whether the trees of the last plan have appeared. */
+  get isPlanned(): boolean {
+    return this.arrived === null;
+  }
+
   /** Whether the last request is still unanswered. */
   get isBusy(): boolean {
     return this.busy;

@@ -23,6 +23,11 @@ export class ForestFigures {
     return this.catalogue.ready;
   }
 
+  /** Whether all trees are loaded and planted. */
+  get isWhole(): boolean {
+    return this.catalogue.isLoaded && this.world.client.isPlanned;
+  }
+
   get trees() {
     return this.world.forest.trees;
   }

@@ -83,7 +83,7 @@ export class FrameLoop {
   async step(dt_s: number, drawn = true): Promise<void> {
     this.move({ passed_s: dt_s, played_s: dt_s, playing: true });
     await this.world.settle();
-    if (drawn) this.draw(dt_s);
+    if (drawn) this.draw(dt_s, true);
     else this.frame++;
   }
 
@@ -95,8 +95,13 @@ export class FrameLoop {
     return !this.world.hasTrees || (steps && this.world.client.time_s <= from_s);
   }
 
-  private draw(passed_s: number): void {
-    if (this.world.draw(passed_s, this.waitsForTrees)) for (const part of this.parts) part.drawn?.();
+  /** The first picture of trees is drawn without what can wait, unless it is to be `whole`. */
+  private draw(passed_s: number, whole = false): void {
+    const { state } = this.store;
+    if (this.world.draw(passed_s, this.waitsForTrees, whole || state.treesSeen)) {
+      if (this.world.hasTrees) state.treesSeen = true;
+      for (const part of this.parts) part.drawn?.();
+    }
     this.frame++;
   }
 }

@@ -163,8 +163,11 @@ export class World {
     flutter.value.x += dt_s;
   }
 
-  /** Draws the picture, `dt_s` after the last one, unless a waiting forest has nothing new; returns whether it did. */
-  draw(dt_s: number, waits: boolean): boolean {
+  /**
+   * Draws the picture, `dt_s` after the last one, unless a waiting forest has nothing new; returns whether it did.
+   * `whole`: with shadows and small plants, not sky, ground and trees only.
+   */
+  draw(dt_s: number, waits: boolean, whole: boolean): boolean {
     const { stage, forest } = this;
     const moved = stage.updateCamera();
     if (waits && (this.hasTrees || !(moved || this.viewChanged))) return false;
@@ -172,7 +175,7 @@ export class World {
     this.select(moved);
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
-    stage.render(dt_s);
+    stage.render(dt_s, whole);
     return true;
   }
 

@@ -4,7 +4,8 @@ import { signal } from "@preact/signals-core";
 import type { TableMotion } from "galewood/client";
 import type { Foliage } from "galewood/core";
 import type { TreeModel } from "galewood/trees";
-import type { TreeAsset } from "../../scene/forest";
+import { EDGE_VIEW, type Viewpoint } from "../../scene/camera/viewpoints";
+import { firstInView, type TreeAsset } from "../../scene/forest";
 import { type Grown, kindOf, kindsOf } from "../../scene/forms";
 import type { OpenedTree } from "../../scene/treeModel/openTree";
 import { readTreeModel, type TreeKind } from "../../scene/treeModel/readTreeModel";
@@ -70,7 +71,18 @@ function fits(motion: TableMotion | null, model: TreeModel | null): boolean {
   return motion !== null && motion.vertexNode.length === vertices;
 }
 
+/** The view that a link names, or the usual one. */
+const viewOf = ({ eye, target }: Store["opened"]): Viewpoint =>
+  eye && target
+    ? { eye: { x: eye[0], y: eye[1], z: eye[2] }, target: { x: target[0], y: target[1], z: target[2] } }
+    : EDGE_VIEW;
+
 const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, motion: asset.motion });
+
+/** The server lists all its trees within this time of the first one. */
+const LISTED_WITHIN_MS = 40;
+/** Trees that wait for the first one wait no longer than this. */
+const WAIT_FOR_FIRST_MS = 4000;
 
 export class Catalogue {
   /** Number of changes of the forest's assets, after each of which the trees are placed again. */
@@ -79,6 +91,16 @@ export class Catalogue {
   readonly recordChanges = signal(0);
   /** Settled when no mesh is being read. */
   private reading: Promise<unknown> = Promise.resolve();
+  /** Settled when the first tree loads. */
+  readonly firstLoads: Promise<void>;
+  private chosen: () => void = () => undefined;
+  /** Settled when the trees after the first one may load. */
+  private readonly othersMayLoad: Promise<void>;
+  private release: () => void = () => undefined;
+  private released = false;
+  /** The tree that loads before the others: null until all that the server has are known. */
+  private first: TreeAsset | null = null;
+  private choosing = false;
   /** Whether trees move by their tables without leaves; those that have none keep the other. */
   private bareWanted: boolean;
   private opened = false;
@@ -93,6 +115,18 @@ export class Catalogue {
     private readonly client: Pick<ForestClient, "loadTable">,
   ) {
     const { settings, state } = store;
+    this.firstLoads = new Promise((done) => {
+      this.chosen = done;
+    });
+    this.othersMayLoad = new Promise((done) => {
+      this.release = done;
+    });
+    if (state.share !== null) this.loadAll();
+    setTimeout(() => this.loadAll(), WAIT_FOR_FIRST_MS);
+    watch(
+      () => [state.treesSeen, state.share, state.inventory],
+      () => this.loadAll(),
+    );
     this.bareWanted = this.wantsBare;
     watch(
       () => [this.wantsBare],
@@ -112,6 +146,20 @@ export class Catalogue {
         state.connected = false;
       },
     });
+  }
+
+  /**
+   * Loads all trees of the forest at once. Until this is called, which happens by itself when trees are seen, only the
+   * first one loads: where the processor draws as well, the others would delay it by seconds.
+   */
+  loadAll(): void {
+    this.released = true;
+    this.release();
+  }
+
+  /** Whether the trees after the first one wait for it. */
+  get awaitsFirst(): boolean {
+    return !this.released;
   }
 
   /** Calls `listener` with the last change of each tree, and when a tree or its job has changed on the server. */
@@ -275,8 +323,28 @@ export class Catalogue {
     void this.follow(entry).catch((error: unknown) => this.failed(entry, error));
   }
 
+  /** Settled when this tree may load. */
+  private async turnOf(entry: Entry): Promise<void> {
+    if (!this.choosing && hasTable(entry.tree)) {
+      this.choosing = true;
+      setTimeout(() => this.chooseFirst(), LISTED_WITHIN_MS);
+    }
+    await Promise.race([this.firstLoads, this.othersMayLoad]);
+    if (entry.asset !== this.first) await this.othersMayLoad;
+  }
+
+  /** Of all trees, the one in the middle of the first picture is to be seen first. */
+  private chooseFirst(): void {
+    const { settings, opened } = this.store;
+    const { assets } = this;
+    this.first =
+      firstInView(assets, settings.trees, settings.forestSeed, settings, viewOf(opened)) ?? assets[0] ?? null;
+    this.chosen();
+  }
+
   /** Fetches new mesh and table in parallel; superseded responses are dropped. */
   private async follow(entry: Entry): Promise<void> {
+    if (!this.released) await this.turnOf(entry);
     await Promise.all([this.takeMesh(entry), this.takeTable(entry), this.takeBareTable(entry)]);
   }
 
@@ -352,6 +420,7 @@ export class Catalogue {
   /** Of a tree that cannot be loaded the other form is planted, if there is one. */
   private failed({ asset, leaf }: Entry, error: unknown): void {
     this.report(error);
+    this.loadAll();
     if (asset.model && leaf.motion) return;
     asset.hasTable = false;
     this.assetChanges.value++;

@@ -23,6 +23,8 @@ export interface PageState {
   individuals: readonly Individual[];
   /** Whether the event stream of the server is open. `Catalogue`. */
   connected: boolean;
+  /** Whether a picture with trees has been drawn. `FrameLoop`. */
+  treesSeen: boolean;
   /** Whether nobody has looked at the page for a while. `followAttention`. */
   away: boolean;
   /** Whether clicks on the ground place the anemometer. `WindStudio`. */
@@ -60,6 +62,7 @@ export class Store {
       inventory: null,
       individuals: [],
       connected: true,
+      treesSeen: false,
       away: false,
       placing: false,
       filming: false,
