@@ -1,6 +1,6 @@
 /**
  * Takes the pictures of docs/images from a running server: `BASE_URL=http://127.0.0.1:8000 npm run pictures [name …]`;
- * "film" is the short film. Takes several minutes without a GPU (GPU=1 uses one).
+ * "film" is the short film, the name of a species its four seasons. Takes several minutes without a GPU (GPU=1 uses one).
  */
 import { chromium } from "@playwright/test";
 import { LAUNCH } from "../../tests/e2e/chromium";
@@ -8,6 +8,7 @@ import { film } from "./pictures/film";
 import { forest, LOOK_QUERY, PATIENCE_MS, TINY_VIEWPORT, take } from "./pictures/page";
 import { PANELS } from "./pictures/panels";
 import { SHOTS } from "./pictures/shots";
+import { SPECIES_NAMES, species } from "./pictures/species";
 
 const wanted = process.argv.slice(3);
 const wants = (name: string) => wanted.length === 0 || wanted.includes(name);
@@ -21,6 +22,7 @@ try {
   for (const [name, shot] of shots) await take(page, name, shot);
   for (const [name, panel] of Object.entries(PANELS)) if (wants(name)) await panel(page, browser);
   if (wants("film")) await film(page);
+  await species(page, SPECIES_NAMES.filter(wants));
 } finally {
   await browser.close();
 }

@@ -45,6 +45,8 @@ describe("the inventory document", () => {
     ["a text as a place", { ...STAND, stems: [{ ...STAND.stems[0], east_m: "3" }] }, "stems[0].east_m: expected a number"],
     ["no height", { ...STAND, stems: [{ ...STAND.stems[0], height_m: 0 }] }, "stems[0].height_m: expected a number above 0"],
     ["no species", { ...STAND, stems: [{ ...STAND.stems[0], species: null }] }, "stems[0].species: expected a text"],
+    ["a diameter of 0", { ...STAND, stems: [{ ...STAND.stems[0], dbh_cm: 0 }] }, "stems[0].dbh_cm: expected a number above 0"],
+    ["a diameter in words", { ...STAND, stems: [{ ...STAND.stems[0], dbh_cm: "20" }] }, "stems[0].dbh_cm: expected a number"],
     ["no form", { ...STAND, stems: [{ ...STAND.stems[0], slender: null }] }, "stems[0].slender: expected true or false"],
     ["no texts", { ...STAND, report: { figures: { Trees: 4 }, notes: [] } }, "report: expected the texts"],
   ])("with %s is refused", (_, document, message) => {

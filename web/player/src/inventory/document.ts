@@ -76,18 +76,22 @@ function stemAt(stem: unknown, path: string): Stem {
     if (typeof value === "string") return value;
     throw new InventoryError(`${path}.${name}: expected a text`);
   };
-  const height_m = number("height_m");
-  if (height_m <= 0) throw new InventoryError(`${path}.height_m: expected a number above 0`);
-  const { slender, dbh_cm } = stem;
+  const size = (name: string) => {
+    const value = number(name);
+    if (value > 0) return value;
+    throw new InventoryError(`${path}.${name}: expected a number above 0`);
+  };
+  const { slender } = stem;
   if (typeof slender !== "boolean") throw new InventoryError(`${path}.slender: expected true or false`);
   return {
     east_m: number("east_m"),
     north_m: number("north_m"),
     species: text("species"),
     builtin: text("builtin"),
-    height_m,
+    height_m: size("height_m"),
     slender,
-    ...(typeof dbh_cm === "number" && dbh_cm > 0 ? { dbh_cm } : {}),
+    // null: it was not measured.
+    ...((stem.dbh_cm ?? null) === null ? {} : { dbh_cm: size("dbh_cm") }),
   };
 }
 
