@@ -13,6 +13,17 @@ test.describe("pictures", () => {
     expect(await page.evaluate(() => window.galewood!.readySpecies.length)).toBeGreaterThan(0);
   });
 
+  test("the first trees that appear are in the picture", async ({ page }) => {
+    await open(page, "quality=low&trees=60&panel=0");
+    const seen = await page.waitForFunction(() => {
+      const probe = window.galewood;
+      if (!probe || probe.trees.moving === 0) return null;
+      const places = Array.from({ length: 150 }, (_, k) => [(k % 15) + 0.5, Math.floor(k / 15) + 0.5]);
+      return { hit: places.some(([x, y]) => probe.pick((x / 15) * innerWidth, (y / 10) * innerHeight) !== null) };
+    });
+    expect((await seen.jsonValue())?.hit).toBe(true);
+  });
+
   test("a strong wind moves crowns and pixels", async ({ page }) => {
     await open(page, `${SMALL}&speed=18`);
     await forest(page);
