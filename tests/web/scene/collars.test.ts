@@ -45,7 +45,7 @@ const from: Point = [0, 2, 0];
 const stem = { from: [0, 0, 0] as Point, along: [0, 1, 0] as Point, radius_m: STEM_M, rings: 9 };
 const { wood, ofVertex } = woodOf([stem, { from, along, radius_m: BOUGH_M, rings: 6 }]);
 const copies = structuredClone(wood);
-const collar = branchCollars(wood, ofVertex);
+const collar = branchCollars(wood, tubesOf(wood, ofVertex));
 if (!collar) throw new Error("no collar");
 const count = collar.hold.length;
 const at = (values: Float32Array, v: number): Point => [values[3 * v], values[3 * v + 1], values[3 * v + 2]];
@@ -126,10 +126,10 @@ describe("branch collars", () => {
   });
 
   it("are left out for wood that is not made of rings, and for boughs that begin elsewhere", () => {
-    expect(branchCollars({ ...wood, uvs: null }, ofVertex)).toBeNull();
+    expect(branchCollars({ ...wood, uvs: null }, tubesOf({ ...wood, uvs: null }, ofVertex))).toBeNull();
     const apart = woodOf([stem, { from: [0.19, 2, 0], along, radius_m: BOUGH_M, rings: 6 }]);
-    expect(branchCollars(apart.wood, apart.ofVertex)).toBeNull();
+    expect(branchCollars(apart.wood, tubesOf(apart.wood, apart.ofVertex))).toBeNull();
     const lone = woodOf([stem]);
-    expect(branchCollars(lone.wood, lone.ofVertex)).toBeNull();
+    expect(branchCollars(lone.wood, tubesOf(lone.wood, lone.ofVertex))).toBeNull();
   });
 });

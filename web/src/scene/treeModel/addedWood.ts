@@ -1,13 +1,15 @@
-/** What is drawn over the wood of a built-in tree: the flare at the foot of its stem, and the collars of its boughs. */
+/** What is drawn over the wood of a built-in tree: the flare at the foot of its stem, the collars of its boughs, dead branches. */
 import { type AddedPart, COMMON_KEY, type ReadPart, rankedIndex, type TreePart } from "galewood/trees";
 import { BufferAttribute, BufferGeometry } from "three";
 import { branchCollars } from "./collars";
+import { type DeadBranches, deadBranches } from "./deadBranches";
 import { meanColour } from "./meanColour";
 import { type FlareMesh, rootFlare, type Wood } from "./rootFlare";
+import { type BranchMesh, tubesOf } from "./tubes";
 
 /** The flare is drawn until a tree shows about this share of its pieces. */
 const FLARE_RANK = 0.3;
-/** The same of the collars: those of trees at the finest level of detail are drawn, no others. */
+/** The same of collars and dead branches: those of trees at the finest level of detail are drawn, no others. */
 const COLLAR_RANK = 0.6;
 
 /** Vertices that all have the mean of other colours. */
@@ -34,12 +36,8 @@ function flareNormals({ positions, stemNormals, share, index }: FlareMesh): Floa
 }
 
 /** A mesh that is drawn over wood, each vertex moved by one of the wood's. */
-interface OverWood {
-  readonly positions: Float32Array;
-  readonly normals: Float32Array;
+interface OverWood extends Omit<BranchMesh, "uvs"> {
   readonly uvs: Float32Array | null;
-  readonly index: Uint32Array;
-  readonly hold: Uint32Array;
 }
 
 /**
@@ -87,16 +85,36 @@ function together(a: OverWood, b: OverWood): OverWood {
   };
 }
 
-const NO_MESH: OverWood = {
-  positions: new Float32Array(0),
-  normals: new Float32Array(0),
-  uvs: new Float32Array(0),
-  index: new Uint32Array(0),
-  hold: new Uint32Array(0),
-};
+/** Where the vertices of a mesh shrink to with the keys of their limbs (4 numbers of each), and their ranks. */
+interface Shrinking {
+  readonly anchors: Float32Array;
+  readonly ranks: Float32Array;
+}
 
-/** Flare and collars of a tree; none where the stem has no round base or the branches are no tubes. */
-export function addedWood(read: readonly ReadPart[]): AddedPart[] {
+/** The flare stays whole on all trees. */
+const ofFlare = ({ hold }: OverWood): Shrinking => ({
+  anchors: Float32Array.from({ length: 4 * hold.length }, (_, i) => (i % 4 === 3 ? COMMON_KEY : 0)),
+  ranks: new Float32Array(hold.length).fill(FLARE_RANK),
+});
+
+/** A collar shrinks with its bough, and earlier than most. */
+function ofCollars({ hold }: OverWood, { anchor, piece }: TreePart): Shrinking {
+  const anchors = new Float32Array(4 * hold.length);
+  const ofWood = anchor.array as Float32Array;
+  hold.forEach((v, k) => {
+    anchors.set(ofWood.subarray(4 * v, 4 * v + 4), 4 * k);
+  });
+  return { anchors, ranks: Float32Array.from(hold, (v) => Math.max(COLLAR_RANK, piece.getW(v))) };
+}
+
+/** A dead branch shrinks into the stem; some are missing on each tree. */
+const ofDead = ({ hold, feet }: DeadBranches): Shrinking => ({
+  anchors: feet,
+  ranks: new Float32Array(hold.length).fill(COLLAR_RANK),
+});
+
+/** Flare, collars and dead branches of a tree; none where the stem has no round base or the branches are no tubes. */
+export function addedWood(read: readonly ReadPart[], evergreen: boolean): AddedPart[] {
   const of = read.findIndex((one) => one.geometry.kind === "wood");
   if (of < 0) return [];
   const { part, geometry } = read[of];
@@ -107,23 +125,21 @@ export function addedWood(read: readonly ReadPart[]): AddedPart[] {
     index: geometry.index,
   };
   const flare = rootFlare(wood);
-  const collars = branchCollars(wood, geometry.pieces.ofVertex);
-  if (!flare && !collars) return [];
-  const foot: OverWood = flare ? { ...flare, normals: flareNormals(flare) } : NO_MESH;
-  const mesh = together(foot, collars ?? { ...NO_MESH, uvs: foot.uvs && NO_MESH.uvs });
-  const ranks = new Float32Array(mesh.hold.length).fill(FLARE_RANK);
+  const tubes = tubesOf(wood, geometry.pieces.ofVertex);
+  const collars = branchCollars(wood, tubes);
+  const dead = deadBranches(wood, tubes, evergreen);
+  const meshes: [OverWood, Shrinking][] = [];
+  if (flare) {
+    const foot = { ...flare, normals: flareNormals(flare) };
+    meshes.push([foot, ofFlare(foot)]);
+  }
+  if (collars) meshes.push([collars, ofCollars(collars, part)]);
+  if (dead) meshes.push([dead, ofDead(dead)]);
+  if (meshes.length === 0) return [];
+  const mesh = meshes.map(([one]) => one).reduce(together);
   const soil = new Float32Array(mesh.hold.length);
   soil.set(flare?.soil ?? []);
-  const anchor = new Float32Array(4 * mesh.hold.length);
-  const ofWood = part.anchor.array as Float32Array;
-  mesh.hold.forEach((v, k) => {
-    if (k < foot.hold.length) {
-      anchor[4 * k + 3] = COMMON_KEY;
-      return;
-    }
-    // A collar shrinks with its bough, and earlier than most.
-    anchor.set(ofWood.subarray(4 * v, 4 * v + 4), 4 * k);
-    ranks[k] = Math.max(COLLAR_RANK, part.piece.getW(v));
-  });
-  return [{ part: partOver(part, mesh, anchor, ranks, soil), of }];
+  const anchors = Float32Array.from(meshes.flatMap(([, shrinking]) => [...shrinking.anchors]));
+  const ranks = Float32Array.from(meshes.flatMap(([, shrinking]) => [...shrinking.ranks]));
+  return [{ part: partOver(part, mesh, anchors, ranks, soil), of }];
 }

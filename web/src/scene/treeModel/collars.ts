@@ -5,16 +5,7 @@
  */
 import { dot, minus, type Point, plus, pointAlong, unit } from "./points";
 import type { Wood } from "./rootFlare";
-import { type AxisPlace, across, nearestOn, normalOf, type Tube, tubesOf } from "./tubes";
-
-export interface CollarMesh {
-  readonly positions: Float32Array;
-  readonly normals: Float32Array;
-  readonly uvs: Float32Array;
-  readonly index: Uint32Array;
-  /** Of each vertex: the vertex of the bough that moves it. */
-  readonly hold: Uint32Array;
-}
+import { type AxisPlace, across, type BranchMesh, nearestOn, normalOf, type Tube } from "./tubes";
 
 /** So many boughs of a tree have collars, the thickest ones; thinner ones than this (m) have none. */
 const MOST_COLLARS = 16;
@@ -178,9 +169,8 @@ function parentOf(tube: Tube, tubes: readonly Tube[]): AxisPlace | null {
   return best;
 }
 
-/** The collars of the thickest boughs; null if the wood has none. `ofVertex`: the piece of each vertex. */
-export function branchCollars(wood: Wood, ofVertex: ArrayLike<number>): CollarMesh | null {
-  const tubes = tubesOf(wood, ofVertex);
+/** The collars of the thickest boughs; null if the wood has none. */
+export function branchCollars(wood: Wood, tubes: readonly Tube[]): BranchMesh | null {
   const thick = tubes.filter(({ radii_m }) => radii_m[0] >= LEAST_RADIUS_M);
   const grids: Grid[] = [];
   for (const tube of thick.sort((one, other) => other.radii_m[0] - one.radii_m[0])) {
@@ -192,7 +182,7 @@ export function branchCollars(wood: Wood, ofVertex: ArrayLike<number>): CollarMe
 }
 
 /** The grids as triangles, which face outwards as those of the boughs do. */
-function meshOf(grids: readonly Grid[]): CollarMesh {
+function meshOf(grids: readonly Grid[]): BranchMesh {
   const vertices: OnLine[] = [];
   const normals: Point[] = [];
   const index: number[] = [];

@@ -204,7 +204,7 @@ export function readTreeModel({ scene, sprays }: OpenedTree, { varied, evergreen
       bareParts ??= barePartsOf(read);
       return bareParts;
     },
-    added: varied ? addedWood(read) : [],
+    added: varied ? addedWood(read, evergreen) : [],
     get near() {
       nearParts ??= ofSprays ? nearPartsOf(read, ofSprays) : [];
       return nearParts;

@@ -16,6 +16,16 @@ export interface Tube {
   readonly radii_m: readonly number[];
 }
 
+/** A mesh that is drawn over branches. */
+export interface BranchMesh {
+  readonly positions: Float32Array;
+  readonly normals: Float32Array;
+  readonly uvs: Float32Array;
+  readonly index: Uint32Array;
+  /** Of each vertex: the vertex of the wood that moves it. */
+  readonly hold: Uint32Array;
+}
+
 /** A place on the axis of a tube: the point itself (m), the direction of the axis, of unit length, and the radius there (m). */
 export interface AxisPlace {
   readonly point: Point;
