@@ -33,7 +33,7 @@ const EVERGREEN: Habit = { per_m: 4, most: 24, length_m: [0.3, 1.3], rise_rad: [
 const BROADLEAF: Habit = { per_m: 1.2, most: 8, length_m: [0.12, 0.7], rise_rad: [0.1, 0.7] };
 
 /** Radius at the foot (m), at the bend and at the end relative to it. */
-const FOOT_RADIUS_M: readonly [number, number] = [0.006, 0.016];
+const FOOT_RADIUS_M: readonly [number, number] = [0.008, 0.022];
 const BEND_RADIUS_SHARE = 0.7;
 const END_RADIUS_SHARE = 0.35;
 /** At the bend, the branch is this far from its straight line, relative to its length. */
@@ -70,7 +70,7 @@ function branchAt(wood: Wood, stem: Tube, height_m: number, number: number, habi
   const out = between(turn, cross(at.along, turn), 2 * Math.PI * random(0));
   const along = between(out, at.along, mix(habit.rise_rad, random(1)));
   // Most are short.
-  const length_m = mix(habit.length_m, random(2) ** 2);
+  const length_m = mix(habit.length_m, random(2) ** 1.5);
   const foot_m = Math.min(mix(FOOT_RADIUS_M, random(3)), 0.3 * at.radius_m);
   const side = unit(cross(along, at.along));
   const up = cross(side, along);

@@ -205,10 +205,20 @@ const WOOD_NORMAL = /* glsl */ `
 #endif
 `;
 
-/** Snow in patches on surfaces that face the sky. */
+/** Snow in patches on wood that faces the sky. */
 const SNOW_GLSL = /* glsl */ `
 float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
 float lying = smoothstep(0.05, 0.5, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.6)) * uSnow;
+diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
+`;
+
+/**
+ * Snow on needles: shoots on all sides of a crown hold some, fewer the more they face down. The normals are those of the crown, so by
+ * them alone only its top would be white.
+ */
+const LEAF_SNOW = /* glsl */ `
+float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
+float lying = 0.85 * smoothstep(0.35, 0.95, 0.3 + 0.3 * skyward + 0.75 * fract(vPiece.x * 7.0)) * uSnow;
 diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
 `;
 
@@ -318,7 +328,7 @@ export function patchColour(
     )
     .replace("#include <map_fragment>", leaves ? LEAF_MAP + (moves ? UNDERSIDES : "") : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
-    .replace("#include <normal_fragment_maps>", leaves ? SNOW_GLSL : WOOD_NORMAL + SNOW_GLSL)
+    .replace("#include <normal_fragment_maps>", leaves ? LEAF_SNOW : WOOD_NORMAL + SNOW_GLSL)
     .replace("#include <opaque_fragment>", atmosphere.output)
     .replace("#include <fog_fragment>", "");
   if (leaves)
