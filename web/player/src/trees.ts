@@ -7,6 +7,7 @@ export { groundUnder, type Ray } from "./core/math/groundRay";
 export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling/culling";
 export { nearRank, rankedIndex } from "./trees/detail";
 export type { DrawList, View } from "./trees/drawList";
+export type { ShadowOptions } from "./trees/drawnParts";
 export { type BendNodes, bendNodes, type FarCards, fillCards } from "./trees/farCards";
 export {
   createInstanceData,
@@ -17,7 +18,6 @@ export {
   type Tint,
 } from "./trees/instanceData";
 export { LEAN_SHADER } from "./trees/lean";
-export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
 export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
 export { openMesh } from "./trees/mesh/openMesh";
@@ -33,10 +33,20 @@ export {
 } from "./trees/mesh/treeMesh";
 export { GLSL_GRAPHICS } from "./trees/nodes/glslNodes";
 export { NODE_TEXEL } from "./trees/nodes/nodeTexel";
+export type { LevelTexels } from "./trees/nodes/treeNodes";
 export type { MaterialMaker, PartMaterials } from "./trees/partMaterials";
 export { PULL_PARS } from "./trees/pull/pullShader";
 export { PullSlots, type ShownPull } from "./trees/pull/pullSlots";
 export { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
+export { UNMAPPED_BELOW } from "./trees/together/mergedParts";
+export { drawsTogether, together } from "./trees/together/togetherMeshes";
+export { TOGETHER_PARS } from "./trees/together/togetherShader";
 export { leanAt, ownRay, type PickedTree, pickTree, type UprightTrees } from "./trees/treePick";
-export { deform, type Standing, type TreeUniforms, type Variant } from "./trees/treeShader";
+export {
+  deform,
+  type SpeciesUniforms,
+  type Standing,
+  type TreeUniforms,
+  type Variant,
+} from "./trees/treeShader";
 export { COMMON_KEY, MISSING_BRANCH_SHARE, VARIANT_SHADER } from "./trees/variantShader";

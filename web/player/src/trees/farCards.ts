@@ -4,7 +4,7 @@ import type { DrawnMotion } from "../core/table/drawnTable";
 import { LEVEL_COUNT } from "./detail";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";
-import type { LevelTexels } from "./levelMeshes";
+import type { LevelTexels } from "./nodes/treeNodes";
 
 export interface FarCards {
   /** Distance (m) from which trees of scale 1 are drawn as impostors; infinite while there are none. */

@@ -1,7 +1,6 @@
-/** One level of detail of one species: instanced meshes for the colour pass and for the shadow pass. */
+/** Levels of detail of one species, each drawn apart: instanced meshes for the colour pass and for the shadow pass. */
 import {
   type BufferAttribute,
-  type Camera,
   DynamicDrawUsage,
   type Group,
   InstancedBufferGeometry,
@@ -11,15 +10,19 @@ import {
   Mesh,
 } from "three";
 import { LEVEL_SHARES } from "../core/constants";
+import type { DrawnMotion } from "../core/table/drawnTable";
 import { MOST_SHARE } from "./detail";
 import type { DrawList } from "./drawList";
-import { INSTANCE_FLOATS, roomFor } from "./instanceData";
+import { type DrawnPart, NO_TEXELS, type ShadowOptions, type TreeMeshes } from "./drawnParts";
+import { copyTree, INSTANCE_FLOATS, roomFor } from "./instanceData";
+import { jointAttribute, pivotAttribute } from "./jointAttribute";
 import type { TreePart } from "./mesh/treeMesh";
 import type { TreeGraphics } from "./nodes/nodeGraphics";
+import type { LevelTexels } from "./nodes/treeNodes";
 import type { PartMaterials } from "./partMaterials";
 
 /** A part at this level: triangles sorted by rank, and the joint of each vertex. */
-export interface LevelPart {
+interface LevelPart {
   readonly part: TreePart;
   /** Drawn of the nearest trees only, those that show a share of pieces above 1. */
   readonly near: boolean;
@@ -29,21 +32,7 @@ export interface LevelPart {
   readonly materials: PartMaterials;
 }
 
-export interface ShadowOptions {
-  /** Largest share of a tree's pieces that is drawn into shadow maps. */
-  readonly share: number;
-  /** How far from the eye (m) a caster can stand and still reach the map of a shadow camera; without it, anywhere. */
-  reach_m?(shadowCamera: Camera): number;
-}
-
 type InstancedMesh = Mesh<InstancedBufferGeometry, Material>;
-
-/** Location of the level's trees in the target of pass 1. */
-export interface LevelTexels {
-  readonly first: number;
-  readonly trees: number;
-  readonly nodes: number;
-}
 
 function geometryOf({ part, joint, pivot }: LevelPart, level: number) {
   const geometry = new InstancedBufferGeometry();
@@ -79,7 +68,7 @@ interface LevelMesh {
   readonly near: boolean;
 }
 
-export class LevelMeshes {
+class LevelMeshes {
   private seen = instancesFor(0);
   private casting = instancesFor(0);
   private readonly meshes: LevelMesh[] = [];
@@ -195,11 +184,7 @@ export class LevelMeshes {
     for (let i = 0; i < count; i++) {
       const place = placeOf(i);
       const tree = list.order[place];
-      const from = tree * INSTANCE_FLOATS;
-      const to = i * INSTANCE_FLOATS;
-      for (let k = 0; k < INSTANCE_FLOATS; k++) array[to + k] = data[from + k];
-      array[to + 3] = first + (place - start) * nodes;
-      array[to + 7] = Math.min(mostShare, shares[tree]);
+      copyTree(data, tree, array, i, first + (place - start) * nodes, Math.min(mostShare, shares[tree]));
     }
     buffer.clearUpdateRanges();
     buffer.addUpdateRange(0, count * INSTANCE_FLOATS);
@@ -231,5 +216,44 @@ export class LevelMeshes {
       mesh.removeFromParent();
       mesh.geometry.dispose();
     }
+  }
+}
+
+/** Draws every level apart. */
+export class ApartMeshes implements TreeMeshes {
+  private readonly levels: LevelMeshes[];
+
+  constructor(
+    parts: readonly DrawnPart[],
+    motion: DrawnMotion | null,
+    shadows: ShadowOptions,
+    group: Group,
+    adapt: TreeGraphics["adapt"],
+  ) {
+    const pivots = parts.map(({ part, firstVertex }) => motion && pivotAttribute(part, firstVertex, motion));
+    this.levels = LEVEL_SHARES.map((_, level) => {
+      const own = parts.flatMap(({ part, firstVertex, near, materials }, k): LevelPart[] => {
+        if (near && level > 0) return [];
+        const joint = motion && jointAttribute(part, firstVertex, motion, motion.levels[level]);
+        return [{ part, near, joint, pivot: pivots[k], materials }];
+      });
+      return new LevelMeshes(level, own, shadows, group, adapt);
+    });
+  }
+
+  fill(list: DrawList, instances: Float32Array, texels: readonly LevelTexels[] | null): void {
+    for (const [k, level] of this.levels.entries()) level.fill(list, instances, texels?.[k] ?? NO_TEXELS);
+  }
+
+  get visibleTriangles(): number {
+    return this.levels.reduce((sum, level) => sum + level.visibleTriangles, 0);
+  }
+
+  drawWith(materialsOf: (materials: PartMaterials) => PartMaterials): void {
+    for (const level of this.levels) level.drawWith(materialsOf);
+  }
+
+  dispose(): void {
+    for (const level of this.levels) level.dispose();
   }
 }

@@ -1,7 +1,7 @@
 /** What a species needs to know of the materials of its parts, whoever makes them. */
 import type { Material, MeshStandardMaterial } from "three";
 import type { Part } from "./mesh/treeMesh";
-import type { TreeUniforms } from "./treeShader";
+import type { SpeciesUniforms } from "./treeShader";
 
 /** Materials of a part, all with the deformation of pass 2. */
 export interface PartMaterials {
@@ -16,6 +16,6 @@ export interface PartMaterials {
 export type MaterialMaker = (
   from: MeshStandardMaterial,
   part: Part,
-  uniforms: TreeUniforms,
+  uniforms: SpeciesUniforms,
   moves: boolean,
 ) => PartMaterials;

@@ -1,23 +1,29 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
-import { type BufferAttribute, Group } from "three";
-import { LEVEL_SHARES } from "../core/constants";
+import { Group } from "three";
 import type { Easing } from "../core/motion/easedPoses";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import { type Bounds, orientedBounds } from "./culling/culling";
-import { LEVEL_COUNT } from "./detail";
 import { DrawList, type View } from "./drawList";
+import {
+  ADDED_PART,
+  type DrawnPart,
+  type PlannedPart,
+  type ShadowOptions,
+  type Together,
+  type TreeMeshes,
+} from "./drawnParts";
 import type { FarCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
-import { jointAttribute, pivotAttribute } from "./jointAttribute";
 import { MOST_LEAN } from "./lean";
-import { LevelMeshes, type LevelPart, type LevelTexels, type ShadowOptions } from "./levelMeshes";
-import type { AddedPart, TreeModel, TreePart } from "./mesh/treeMesh";
+import { ApartMeshes } from "./levelMeshes";
+import type { AddedPart, TreeModel } from "./mesh/treeMesh";
 import type { NodeRenderer, TreeGraphics } from "./nodes/nodeGraphics";
 import { NodePass } from "./nodes/nodePass";
+import type { LevelTexels, TreeNodes } from "./nodes/treeNodes";
 import type { MaterialMaker, PartMaterials } from "./partMaterials";
 import type { PullSlots, ShownPull } from "./pull/pullSlots";
 import { jointRadii } from "./treePick";
-import type { TreeUniforms } from "./treeShader";
+import type { SpeciesUniforms } from "./treeShader";
 
 export interface SpeciesOptions {
   readonly materials: MaterialMaker;
@@ -27,6 +33,8 @@ export interface SpeciesOptions {
   readonly shadows: ShadowOptions;
   /** Draws near parts, and fine shoots in place of fallen leaves; without smoothed edges they would be specks. */
   readonly fine: boolean;
+  /** Draws all levels of detail of a part with one call, if the renderer can; otherwise each is drawn apart. */
+  together?(): Together;
   /** What shows pulled branches, by the vertex whose motion each vertex takes; without it they are not shown. */
   pullsOf?(holds: Uint32Array): PullSlots;
   /** Shared clock and amplitude of the flutter of leaves. */
@@ -34,10 +42,6 @@ export interface SpeciesOptions {
   /** Shared factor of all displacements on screen. */
   readonly exaggeration: { value: number };
 }
-
-/** In place of the first vertex of a part: it is added to those of the file, and named by its joints. */
-const ADDED_PART = -1;
-const ALL_TREES: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
 
 /** For each vertex of all parts, the vertex whose motion it takes. */
 function holdsOf(model: TreeModel): Uint32Array {
@@ -50,15 +54,7 @@ function holdsOf(model: TreeModel): Uint32Array {
   return holds;
 }
 
-interface OwnPart {
-  readonly part: TreePart;
-  readonly firstVertex: number;
-  /** Whether it is drawn always, with the leaves, or in place of leaves that have fallen. */
-  readonly season: "always" | "leafy" | "bare";
-  /** Drawn of trees near the eye only. */
-  readonly near: boolean;
-  /** Shared by all levels; null: the tree stands still. */
-  readonly pivot: BufferAttribute | null;
+interface OwnPart extends PlannedPart {
   readonly moving: PartMaterials | null;
   /** Materials without any deformation, created on first use. */
   still: PartMaterials | null;
@@ -67,11 +63,11 @@ interface OwnPart {
 /** `Motion`: what is known of the motion besides what drawing needs. */
 export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   readonly group = new Group();
-  private readonly nodes: NodePass | null;
+  private readonly nodes: TreeNodes | null;
   private readonly pulls: PullSlots | null;
-  private readonly uniforms: TreeUniforms;
+  private readonly uniforms: SpeciesUniforms;
   private readonly parts: OwnPart[];
-  private readonly levels: LevelMeshes[];
+  private readonly meshes: TreeMeshes;
   private list: DrawList;
   private frozen = false;
   private fallen = false;
@@ -86,9 +82,13 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     public instances: InstanceData,
     readonly options: SpeciesOptions,
   ) {
-    const { graphics, maxTextureSide, exaggeration } = options;
-    this.nodes = motion ? new NodePass(motion, graphics, maxTextureSide, exaggeration) : null;
+    const { graphics, maxTextureSide, exaggeration, shadows } = options;
     this.pulls = options.pullsOf?.(holdsOf(model)) ?? null;
+    const together = options.together?.();
+    this.nodes =
+      motion &&
+      (together?.nodes(motion, maxTextureSide, exaggeration) ??
+        new NodePass(motion, graphics, maxTextureSide, exaggeration));
     this.uniforms = {
       ...this.pulls?.uniforms,
       uNodes: { value: this.nodes?.target.texture ?? null },
@@ -96,60 +96,56 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
       uLean: { value: model.leans ? 1 : 0 },
       uFlutter: options.flutter,
       uExaggeration: options.exaggeration,
+      together: together?.uniforms,
     };
-    this.parts = this.makeParts();
-    this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
+    const planned = this.planParts();
+    this.parts = (together?.merged(planned) ?? planned).map((part) => this.ownPart(part));
+    const drawn = this.parts.flatMap((part): DrawnPart[] => {
+      const materials = part.moving ?? part.still;
+      return materials ? [{ ...part, materials }] : [];
+    });
+    this.meshes =
+      together?.meshes(drawn, motion, shadows, this.group) ??
+      new ApartMeshes(drawn, motion, shadows, this.group, graphics.adapt);
     this.list = new DrawList(instances);
   }
 
-  private makeParts(): OwnPart[] {
+  private planParts(): PlannedPart[] {
     const { parts: read, added } = this.model;
     let firstVertex = 0;
-    const parts = read.map((part) => {
-      const own = this.ownPart(part, firstVertex, firstVertex);
+    const parts = read.map((part): PlannedPart => {
+      const season = part.kind === "leaves" ? "leafy" : "always";
+      const planned: PlannedPart = { part, firstVertex, pullFirst: firstVertex, season, near: false };
       firstVertex += part.vertices;
-      return own;
+      return planned;
     });
-    const held = ({ part, of }: AddedPart) => this.ownPart(part, parts[of].firstVertex, ADDED_PART);
+    const held = ({ part, of }: AddedPart): PlannedPart => ({
+      part,
+      firstVertex: parts[of].firstVertex,
+      pullFirst: ADDED_PART,
+      season: part.kind === "leaves" ? "leafy" : "always",
+      near: false,
+    });
     const always = [...parts, ...added.map(held)];
     if (!this.options.fine) return always;
     const { bare, near } = this.model; // made now
-    const inLeaf = near.map((one): OwnPart => ({ ...held(one), season: "leafy", near: true }));
-    return [...always, ...inLeaf, ...bare.map((one): OwnPart => ({ ...held(one), season: "bare" }))];
+    const inLeaf = near.map((one): PlannedPart => ({ ...held(one), season: "leafy", near: true }));
+    return [...always, ...inLeaf, ...bare.map((one): PlannedPart => ({ ...held(one), season: "bare" }))];
   }
 
-  /** `pullFirst`: as for `materials`. */
-  private ownPart(part: TreePart, firstVertex: number, pullFirst: number): OwnPart {
+  private ownPart(planned: PlannedPart): OwnPart {
     return {
-      part,
-      firstVertex,
-      season: part.kind === "leaves" ? "leafy" : "always",
-      near: false,
-      pivot: this.motion && pivotAttribute(part, firstVertex, this.motion),
-      moving: this.motion ? this.materials(part, true, pullFirst) : null,
-      still: this.motion ? null : this.materials(part, false, pullFirst),
+      ...planned,
+      moving: this.motion ? this.materials(planned, true) : null,
+      still: this.motion ? null : this.materials(planned, false),
     };
   }
 
-  /** `pullFirst`: first vertex of the part in the fields of pulled points, or `ADDED_PART`. */
-  private materials(part: TreePart, moves: boolean, pullFirst: number): PartMaterials {
+  private materials({ part, pullFirst }: PlannedPart, moves: boolean): PartMaterials {
     const uniforms = { ...this.uniforms, uPullFirst: { value: pullFirst } };
     const materials = this.options.materials(part.material, part.kind, uniforms, moves);
     materials.colour.vertexColors = part.colour !== null;
     return materials;
-  }
-
-  private makeLevel(level: number): LevelMeshes {
-    const drawn = this.parts.filter(({ near }) => level === 0 || !near);
-    const parts = drawn.map(({ part, firstVertex, near, pivot, moving, still }): LevelPart => {
-      const materials = moving ?? still;
-      if (!materials) throw new Error("a part without materials");
-      const { motion } = this;
-      const joint = motion && jointAttribute(part, firstVertex, motion, motion.levels[level]);
-      return { part, near, joint, pivot, materials };
-    });
-    const { shadows, graphics } = this.options;
-    return new LevelMeshes(level, parts, shadows, this.group, graphics.adapt);
   }
 
   /** Replaces the instances; trees that stay keep their level of detail. */
@@ -206,11 +202,9 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     const cardsFrom_m = this.cards?.from_m;
     const near_m = this.fallen || !this.parts.some(({ near }) => near) ? 0 : view.near_m;
     this.list.select(this.bounds, { ...view, near_m, cardsFrom_m });
-    const texels = this.nodes?.place(this.list);
+    const texels = this.nodes?.place(this.list) ?? null;
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
-    for (let level = 0; level < LEVEL_COUNT; level++) {
-      this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL_TREES);
-    }
+    this.meshes.fill(this.list, this.instances.data, texels);
     if (texels) this.selectCards(texels);
   }
 
@@ -222,7 +216,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
 
   /** Triangles of the last selection in the colour pass. */
   get triangles(): number {
-    return this.levels.reduce((sum, level) => sum + level.visibleTriangles, 0);
+    return this.meshes.visibleTriangles;
   }
 
   /** `easing`: of poses that are reached over several frames. */
@@ -244,14 +238,12 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     this.frozen = frozen;
     const still = new Map(
       this.parts.map((own) => {
-        if (frozen) own.still ??= this.materials(own.part, false, own.firstVertex);
+        if (frozen) own.still ??= this.materials(own, false);
         return [own.moving, own.still] as const;
       }),
     );
     this.leafless = this.fallen; // also of the new materials
-    for (const level of this.levels) {
-      level.drawWith((moving) => (frozen && still.get(moving)) || moving);
-    }
+    this.meshes.drawWith((moving) => (frozen && still.get(moving)) || moving);
   }
 
   dispose(): void {
@@ -259,7 +251,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     this.nodes?.dispose();
     this.cards?.dispose();
     this.pulls?.dispose();
-    for (const level of this.levels) level.dispose();
+    this.meshes.dispose();
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {
         materials?.colour.dispose();

@@ -10,6 +10,19 @@ import { NODE_TEXEL, TURN_BY } from "./nodes/nodeTexel";
 import type { PullUniforms } from "./pull/pullSlots";
 import { VARIANT_SHADER } from "./variantShader";
 
+/** The trees of one pass whose levels of detail are drawn with one call (together/). */
+export interface TreesUniforms {
+  readonly uTrees: { value: Texture };
+  /** First tree of each draw of the call. */
+  readonly uTreesFrom: { readonly value: Int32Array };
+}
+
+/** Those of the colour pass and of the shadow maps. */
+export interface TogetherUniforms {
+  readonly seen: TreesUniforms;
+  readonly casting: TreesUniforms;
+}
+
 export interface TreeUniforms extends Partial<PullUniforms> {
   /** Texture of the target of pass 1, the first one if it has two; null for static trees. */
   uNodes: { value: Texture | null };
@@ -22,14 +35,30 @@ export interface TreeUniforms extends Partial<PullUniforms> {
   uExaggeration: { value: number };
 }
 
-const VERTEX_PARS = /* glsl */ `
+/** Uniforms of a species, from which materials are made. */
+export interface SpeciesUniforms extends TreeUniforms {
+  /** Of trees whose levels of detail are drawn with one call. */
+  readonly together?: TogetherUniforms;
+}
+
+/** What is known of a tree, and the joint of a vertex: as attributes of the instance and of its level. */
+const TREE_ATTRIBUTES = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
 attribute vec4 aTurn;  // see TURNED; scale, share of the pieces that are drawn
 attribute vec4 aTint;  // see TURNED
+void takeTree() {}
+#ifndef STILL
+attribute vec4 aJoint; // the two nodes between which the vertex is held, share of the second / WHOLE_SHARE
+vec3 joint() {
+  return aJoint.xyz;
+}
+#endif
+`;
+
+const VERTEX_PARS = /* glsl */ `
 attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; key of its limb, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
-attribute vec4 aJoint; // the two nodes between which the vertex is held, share of the second / WHOLE_SHARE
 attribute vec3 aPivot; // where it is held
 uniform highp usampler2D uNodes;
 uniform int uNodeShift;
@@ -40,13 +69,14 @@ vec4 heldTurn;
 float heldWind;
 void takeJoint() {
   int tree = int(aPlace.w + 0.5);
-  uvec4 first = nodeTexel(uNodes, tree + int(aJoint.x + 0.5), uNodeShift);
+  vec3 held = joint();
+  uvec4 first = nodeTexel(uNodes, tree + int(held.x + 0.5), uNodeShift);
   heldMoved = nodeMoved(first);
   heldWind = nodeWind(first);
   vec3 curl = nodeTurned(first);
-  if (aJoint.z > 0.5) {
-    float share = aJoint.z / ${WHOLE_SHARE.toFixed(1)};
-    uvec4 second = nodeTexel(uNodes, tree + int(aJoint.y + 0.5), uNodeShift);
+  if (held.z > 0.5) {
+    float share = held.z / ${WHOLE_SHARE.toFixed(1)};
+    uvec4 second = nodeTexel(uNodes, tree + int(held.y + 0.5), uNodeShift);
     heldMoved = mix(heldMoved, nodeMoved(second), share);
     curl = mix(curl, nodeTurned(second), share);
   }
@@ -153,11 +183,13 @@ export interface Variant {
   readonly key: string;
   /** GLSL of `pulledBy()`, the displacement of a vertex by pulls; without it there are none. */
   readonly pulls?: string;
+  /** GLSL in place of the attributes of a tree, for a call that draws all levels of detail (together/togetherShader.ts). */
+  readonly together?: string;
 }
 
 function patchVertex(
   shader: WebGLProgramParametersWithUniforms,
-  { part, moves, standing, pulls }: Variant,
+  { part, moves, standing, pulls, together }: Variant,
 ): void {
   const defined = [part === "leaves" && "LEAVES", !moves && "STILL"].filter((name) => name !== false);
   const pulled = pulls && moves ? `#define PULLED\n${pulls}` : "";
@@ -165,13 +197,13 @@ function patchVertex(
   shader.vertexShader = shader.vertexShader
     .replace(
       "#include <common>",
-      `#include <common>\n${defines}${VERTEX_PARS}${STANDING_GLSL[standing]}${pulled}`,
+      `#include <common>\n${defines}${together ?? TREE_ATTRIBUTES}${VERTEX_PARS}${STANDING_GLSL[standing]}${pulled}`,
     )
     .replace("#include <beginnormal_vertex>", NORMAL_GLSL)
     .replace("#include <begin_vertex>", POSITION_GLSL);
   // First of all, because not every material has normals.
-  if (moves)
-    shader.vertexShader = shader.vertexShader.replace("void main() {", "void main() {\ntakeJoint();");
+  const first = `takeTree();${moves ? "\ntakeJoint();" : ""}`;
+  shader.vertexShader = shader.vertexShader.replace("void main() {", `void main() {\n${first}`);
 }
 
 /**
@@ -184,7 +216,9 @@ export function deform(
   uniforms: object,
   further: (shader: WebGLProgramParametersWithUniforms) => void = () => {},
 ): void {
-  const { part, moves, standing, key } = variant;
+  const { part, moves, standing, key, together } = variant;
+  // As ShaderMaterial has it; three.js reads it of any material.
+  if (together) Object.assign(material, { extensions: { multiDraw: true } });
   const before = material.onBeforeCompile;
   const keyBefore = material.customProgramCacheKey();
   material.onBeforeCompile = (shader, renderer) => {
@@ -193,5 +227,6 @@ export function deform(
     patchVertex(shader, variant);
     further(shader);
   };
-  material.customProgramCacheKey = () => `galewood-${part}-${moves}-${standing}-${key}-${keyBefore}`;
+  material.customProgramCacheKey = () =>
+    `galewood-${part}-${moves}-${standing}-${key}-${together !== undefined}-${keyBefore}`;
 }

@@ -1,5 +1,12 @@
 /** How trees are drawn at a quality. */
-import { GLSL_GRAPHICS, LEVEL_SHARES, PullSlots, type SpeciesOptions } from "galewood/trees";
+import {
+  drawsTogether,
+  GLSL_GRAPHICS,
+  LEVEL_SHARES,
+  PullSlots,
+  type SpeciesOptions,
+  together,
+} from "galewood/trees";
 import { exaggeration } from "../../scene/exaggeration";
 import type { Quality } from "../../scene/quality";
 import { seasonal } from "../../scene/season/seasonal";
@@ -11,9 +18,10 @@ import { materialsOf } from "../../scene/treeSurface/treeMaterial";
 /** `flutter`: clock and amplitude of the flutter of leaves. */
 export function speciesOptions(
   quality: Quality,
-  { renderer: { capabilities } }: Stage,
+  { renderer }: Stage,
   flutter: SpeciesOptions["flutter"],
 ): SpeciesOptions {
+  const { capabilities } = renderer;
   return {
     materials: materialsOf({
       anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
@@ -28,6 +36,7 @@ export function speciesOptions(
     // If gloss is affordable, so are the shadows of all leaves.
     shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], reach_m: cascadeReach_m },
     fine: quality !== "low",
+    ...(drawsTogether(renderer) && { together }),
     pullsOf: (holds) => new PullSlots(holds),
     flutter,
     exaggeration,

@@ -1,6 +1,6 @@
 /** Colour and light of trees: the fragment part of pass 2. */
 
-import type { Part } from "galewood/trees";
+import { type Part, UNMAPPED_BELOW } from "galewood/trees";
 import type { Color, WebGLProgramParametersWithUniforms } from "three";
 import { SHOOT_TILES_PER_SIDE } from "../treeModel/sprayTiles";
 
@@ -169,7 +169,22 @@ const SOIL_RGB = "vec3(0.075, 0.042, 0.018)";
  * colour of the ground with a ragged edge, so that the line in which a polygon meets the ground is not seen.
  */
 const WOOD_MAP = /* glsl */ `
-#include <map_fragment>
+// Of merged parts bark has pictures, twigs have none, and vertices have the colours of the materials (mergedParts.ts).
+bool barked = true;
+#ifdef MERGED
+  diffuseColor.rgb *= vColor.rgb;
+  #undef USE_COLOR // not once more
+  #ifdef USE_NORMALMAP
+    barked = vNormalMapUv.x > ${UNMAPPED_BELOW.toFixed(1)};
+  #endif
+  #ifdef USE_MAP
+    barked = vMapUv.x > ${UNMAPPED_BELOW.toFixed(1)};
+    vec4 picture = texture2D(map, vMapUv); // not in the branch, where its gradient would be undefined
+    if (barked) diffuseColor *= picture;
+  #endif
+#else
+  #include <map_fragment>
+#endif
 // Darken pale bark, which would be white in sunlight.
 diffuseColor.rgb *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * diffuseColor.g);
 if (vPiece.z > 0.0) {
@@ -196,7 +211,7 @@ const WOOD_NORMAL = /* glsl */ `
   float relief = 1.0 - smoothstep(${RELIEF_M[0].toFixed(1)}, ${RELIEF_M[1].toFixed(1)}, length(vViewPosition));
   vec2 barkRight = dFdx(vNormalMapUv);
   vec2 barkDown = dFdy(vNormalMapUv);
-  if (relief > 0.0) {
+  if (barked && relief > 0.0) {
     vec3 bark = textureGrad(normalMap, vNormalMapUv, barkRight, barkDown).xyz * 2.0 - 1.0;
     bark.xy *= relief * normalScale;
     normal = normalize(tbn * bark);

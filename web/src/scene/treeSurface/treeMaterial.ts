@@ -1,7 +1,7 @@
 /** Materials of one part of a species as the page draws it, for the colour and the shadow pass. */
 
 import type { MaterialMaker, Part } from "galewood/trees";
-import { deform, PULL_PARS, type TreeUniforms } from "galewood/trees";
+import { deform, PULL_PARS, type SpeciesUniforms, TOGETHER_PARS, type Variant } from "galewood/trees";
 import {
   CustomBlending,
   DoubleSide,
@@ -35,10 +35,26 @@ export interface MaterialOptions {
   readonly atmosphere: AtmosphereShader;
 }
 
+/** Variant and uniforms of the colour pass, or of the shadow maps. */
+function variantOf(
+  part: Part,
+  moves: boolean,
+  key: string,
+  { together, ...uniforms }: SpeciesUniforms,
+  pass: "seen" | "casting",
+): [Variant, object] {
+  const variant = { part, moves, standing: "upright", key, pulls: PULL_PARS } as const;
+  if (!together) return [variant, uniforms];
+  return [
+    { ...variant, together: TOGETHER_PARS },
+    { ...uniforms, ...together[pass] },
+  ];
+}
+
 function colourMaterial(
   from: MeshStandardMaterial,
   part: Part,
-  uniforms: TreeUniforms,
+  uniforms: SpeciesUniforms,
   options: MaterialOptions,
   moves: boolean,
 ): TreeMaterial {
@@ -60,12 +76,12 @@ function colourMaterial(
       ? new MeshStandardMaterial({ ...common, roughness: 0.94, metalness: 0 })
       : new MeshLambertMaterial(common);
   if (leaves && options.smoothEdges) material.defines = { ...material.defines, CUTICLE: "" };
+  if (from.userData.merged) material.defines = { ...material.defines, MERGED: "" };
   if (leaves && from.userData.shoots) material.defines = { ...material.defines, SHOOT_TILES: "" };
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
-  const key = `colour-${atmosphere.key}`;
-  const variant = { part, moves, standing: "upright", key, pulls: PULL_PARS } as const;
-  const given = { ...uniforms, ...atmosphere.uniforms, ...surface };
+  const [variant, own] = variantOf(part, moves, `colour-${atmosphere.key}`, uniforms, "seen");
+  const given = { ...own, ...atmosphere.uniforms, ...surface };
   deform(material, variant, given, (shader) => patchColour(shader, part, moves, atmosphere));
   return material;
 }
@@ -82,7 +98,7 @@ function keepAlpha(material: Material): void {
 function shadowMaterial(
   colour: TreeMaterial,
   part: Part,
-  uniforms: TreeUniforms,
+  uniforms: SpeciesUniforms,
   { surface }: MaterialOptions,
   moves: boolean,
 ): MeshDepthMaterial {
@@ -91,11 +107,8 @@ function shadowMaterial(
     map: colour.alphaTest > 0 ? colour.map : null,
     alphaTest: colour.alphaTest,
   });
-  deform(
-    material,
-    { part, moves, standing: "upright", key: "depth", pulls: PULL_PARS },
-    { ...uniforms, ...surface },
-  );
+  const [variant, own] = variantOf(part, moves, "depth", uniforms, "casting");
+  deform(material, variant, { ...own, ...surface });
   return material;
 }
 

@@ -12,7 +12,8 @@ import { FLAT_SHIFT } from "./flatTexture";
 import { COVER_GLSL, DISPLACE_GLSL, SHORTEN_GLSL } from "./levelShader";
 import type { LevelSteps, LevelTextures, TreeGraphics } from "./nodeGraphics";
 
-const uintTarget = (width: number, height: number) =>
+/** A target of pass 1. */
+export const uintTarget = (width: number, height: number) =>
   new WebGLRenderTarget(width, height, {
     type: UnsignedIntType,
     format: RGBAIntegerFormat,

@@ -20,8 +20,28 @@ export interface PoseRows {
   readonly start: Uint32Array;
 }
 
+/** Copies the coordinates of a level and the wind of each of its drawn trees, from a float of the data on. */
+export function gatherPoses(
+  { poses, easing, stride, wind, order, start }: PoseRows,
+  { coordinates, quads }: NodeLevel,
+  index: number,
+  trees: number,
+  data: Float32Array,
+  from: number,
+): void {
+  const first = start[index];
+  let to = from;
+  for (let slot = first; slot < first + trees; slot++, to += 4 * quads) {
+    const tree = order[slot];
+    const row = tree * stride;
+    for (let k = 0; k < coordinates.length; k++) data[to + k] = poses[row + coordinates[k]];
+    data[to + coordinates.length] = poses[row + wind];
+    easing?.ease(tree, coordinates, data, to);
+  }
+}
+
 /** Frames between pose updates, by level; poses are interpolated in between. */
-const PERIODS = [1, 1, 1, 2, 4];
+export const PERIODS = [1, 1, 1, 2, 4];
 
 type Step = Mesh<BufferGeometry, Material>;
 
@@ -33,15 +53,20 @@ function rowsTexture(rows: Float32Array): DataTexture {
 }
 
 /** A texture of the links: vector at rest from the node before, and its index. */
-function linksTexture({ nodes, rest_m, parent }: NodeLevel): DataTexture {
-  const { texture, data } = flatTexture(nodes, 4);
+function linksTexture(level: NodeLevel): DataTexture {
+  const { texture, data } = flatTexture(level.nodes, 4);
+  writeLinks(level, data, 0);
+  return texture;
+}
+
+/** Writes the links of a level from a float of the data on. */
+export function writeLinks({ nodes, rest_m, parent }: NodeLevel, data: Float32Array, from: number): void {
   for (let node = 0; node < nodes; node++) {
     const before = parent[node];
     for (let axis = 0; axis < 3; axis++)
-      data[4 * node + axis] = rest_m[3 * node + axis] - rest_m[3 * before + axis];
-    data[4 * node + 3] = before;
+      data[from + 4 * node + axis] = rest_m[3 * node + axis] - rest_m[3 * before + axis];
+    data[from + 4 * node + 3] = before;
   }
-  return texture;
 }
 
 /** One level: its rows, the poses of its drawn trees, and the meshes that draw both steps. */
@@ -118,20 +143,10 @@ export class LevelPass {
     this.uniforms.uShare.value = (this.age + 1) / this.period;
   }
 
-  /** Copies the coordinates of the level and the wind of each drawn tree. */
-  private gather({ poses, easing, stride, wind, order, start }: PoseRows): void {
-    const { coordinates, quads } = this.level;
+  private gather(from: PoseRows): void {
     const { data, texture } = this.poses;
-    const first = start[this.index];
-    let to = 0;
-    for (let slot = first; slot < first + this.rows.trees; slot++, to += 4 * quads) {
-      const tree = order[slot];
-      const from = tree * stride;
-      for (let k = 0; k < coordinates.length; k++) data[to + k] = poses[from + coordinates[k]];
-      data[to + coordinates.length] = poses[from + wind];
-      easing?.ease(tree, coordinates, data, to);
-    }
-    uploadFirst(texture, this.rows.trees * quads);
+    gatherPoses(from, this.level, this.index, this.rows.trees, data, 0);
+    uploadFirst(texture, this.rows.trees * this.level.quads);
     const { uniforms } = this;
     uniforms.uPoses.value = texture;
     uniforms.uBefore.value = this.before.texture;

@@ -15,20 +15,19 @@ import type { DrawList } from "../drawList";
 import { LevelPass, type PoseRows } from "./levelPass";
 import type { NodeRenderer, TreeGraphics } from "./nodeGraphics";
 import { levelRows, nodeLayout } from "./nodeLayout";
+import type { LevelTexels, TreeNodes } from "./treeNodes";
 
-function fullScreenTriangle(): BufferGeometry {
+export function fullScreenTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]);
   geometry.setAttribute("position", new BufferAttribute(corners, 3));
   return geometry;
 }
 
-export class NodePass {
-  /** The finished texels. */
+export class NodePass implements TreeNodes {
   readonly target: RenderTarget;
   /** Displacements before the links are shortened. */
   private readonly first: RenderTarget;
-  /** log2 of the target's width. */
   shift: number;
   private readonly levels: LevelPass[];
   private readonly triangle = fullScreenTriangle();
@@ -67,8 +66,7 @@ export class NodePass {
     this.first.setSize(layout.width, layout.height);
   }
 
-  /** Assigns texels to every tree of the list; returns the first texel and the number of trees that fit, per level. */
-  place(list: DrawList): readonly { first: number; trees: number; nodes: number }[] {
+  place(list: DrawList): readonly LevelTexels[] {
     this.makeRoom(list);
     const { width, height } = this.target;
     const counts = this.levels.map((_, k) => list.visible[k] + list.hidden[k]);
@@ -90,7 +88,6 @@ export class NodePass {
     }));
   }
 
-  /** Sets the newest poses: `stride` floats per tree, as written by the worker. */
   setPoses(poses: Float32Array, easing: Easing | null): void {
     const first = this.poses === null;
     this.poses = poses;
