@@ -16,7 +16,7 @@ import type { FarCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
 import { MOST_LEAN } from "./lean";
 import { ApartMeshes } from "./levelMeshes";
-import type { AddedPart, TreeModel } from "./mesh/treeMesh";
+import type { AddedPart, TreeModel, TreePart } from "./mesh/treeMesh";
 import type { NodeRenderer, TreeGraphics } from "./nodes/nodeGraphics";
 import { NodePass } from "./nodes/nodePass";
 import type { LevelTexels, TreeNodes } from "./nodes/treeNodes";
@@ -113,19 +113,16 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   private planParts(): PlannedPart[] {
     const { parts: read, added } = this.model;
     let firstVertex = 0;
-    const parts = read.map((part): PlannedPart => {
+    const plan = (part: TreePart, first: number, pullFirst: number): PlannedPart => {
       const season = part.kind === "leaves" ? "leafy" : "always";
-      const planned: PlannedPart = { part, firstVertex, pullFirst: firstVertex, season, near: false };
+      return { part, firstVertex: first, pullFirst, season, near: false };
+    };
+    const parts = read.map((part) => {
+      const planned = plan(part, firstVertex, firstVertex);
       firstVertex += part.vertices;
       return planned;
     });
-    const held = ({ part, of }: AddedPart): PlannedPart => ({
-      part,
-      firstVertex: parts[of].firstVertex,
-      pullFirst: ADDED_PART,
-      season: part.kind === "leaves" ? "leafy" : "always",
-      near: false,
-    });
+    const held = ({ part, of }: AddedPart) => plan(part, parts[of].firstVertex, ADDED_PART);
     const always = [...parts, ...added.map(held)];
     if (!this.options.fine) return always;
     const { bare, near } = this.model; // made now

@@ -46,12 +46,8 @@ const TREE_ATTRIBUTES = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
 attribute vec4 aTurn;  // see TURNED; scale, share of the pieces that are drawn
 attribute vec4 aTint;  // see TURNED
-void takeTree() {}
 #ifndef STILL
 attribute vec4 aJoint; // the two nodes between which the vertex is held, share of the second / WHOLE_SHARE
-vec3 joint() {
-  return aJoint.xyz;
-}
 #endif
 `;
 
@@ -69,14 +65,13 @@ vec4 heldTurn;
 float heldWind;
 void takeJoint() {
   int tree = int(aPlace.w + 0.5);
-  vec3 held = joint();
-  uvec4 first = nodeTexel(uNodes, tree + int(held.x + 0.5), uNodeShift);
+  uvec4 first = nodeTexel(uNodes, tree + int(aJoint.x + 0.5), uNodeShift);
   heldMoved = nodeMoved(first);
   heldWind = nodeWind(first);
   vec3 curl = nodeTurned(first);
-  if (held.z > 0.5) {
-    float share = held.z / ${WHOLE_SHARE.toFixed(1)};
-    uvec4 second = nodeTexel(uNodes, tree + int(held.y + 0.5), uNodeShift);
+  if (aJoint.z > 0.5) {
+    float share = aJoint.z / ${WHOLE_SHARE.toFixed(1)};
+    uvec4 second = nodeTexel(uNodes, tree + int(aJoint.y + 0.5), uNodeShift);
     heldMoved = mix(heldMoved, nodeMoved(second), share);
     curl = mix(curl, nodeTurned(second), share);
   }
@@ -183,7 +178,7 @@ export interface Variant {
   readonly key: string;
   /** GLSL of `pulledBy()`, the displacement of a vertex by pulls; without it there are none. */
   readonly pulls?: string;
-  /** GLSL in place of the attributes of a tree, for a call that draws all levels of detail (together/togetherShader.ts). */
+  /** GLSL in place of the attributes of a tree, for a call that draws all levels of detail (together/togetherShader.ts); `key` tells. */
   readonly together?: string;
 }
 
@@ -202,8 +197,8 @@ function patchVertex(
     .replace("#include <beginnormal_vertex>", NORMAL_GLSL)
     .replace("#include <begin_vertex>", POSITION_GLSL);
   // First of all, because not every material has normals.
-  const first = `takeTree();${moves ? "\ntakeJoint();" : ""}`;
-  shader.vertexShader = shader.vertexShader.replace("void main() {", `void main() {\n${first}`);
+  const first = (together ? "takeTree();" : "") + (moves ? "takeJoint();" : "");
+  shader.vertexShader = shader.vertexShader.replace("void main() {", `void main() {${first}`);
 }
 
 /**
@@ -216,9 +211,7 @@ export function deform(
   uniforms: object,
   further: (shader: WebGLProgramParametersWithUniforms) => void = () => {},
 ): void {
-  const { part, moves, standing, key, together } = variant;
-  // As ShaderMaterial has it; three.js reads it of any material.
-  if (together) Object.assign(material, { extensions: { multiDraw: true } });
+  const { part, moves, standing, key } = variant;
   const before = material.onBeforeCompile;
   const keyBefore = material.customProgramCacheKey();
   material.onBeforeCompile = (shader, renderer) => {
@@ -227,6 +220,5 @@ export function deform(
     patchVertex(shader, variant);
     further(shader);
   };
-  material.customProgramCacheKey = () =>
-    `galewood-${part}-${moves}-${standing}-${key}-${together !== undefined}-${keyBefore}`;
+  material.customProgramCacheKey = () => `galewood-${part}-${moves}-${standing}-${key}-${keyBefore}`;
 }

@@ -46,9 +46,20 @@ function variantOf(
   const variant = { part, moves, standing: "upright", key, pulls: PULL_PARS } as const;
   if (!together) return [variant, uniforms];
   return [
-    { ...variant, together: TOGETHER_PARS },
+    { ...variant, key: `${key}-together`, together: TOGETHER_PARS },
     { ...uniforms, ...together[pass] },
   ];
+}
+
+/** Deforms a material; with the extension that tells the draws of a call apart, as ShaderMaterial has it: three.js reads it of any. */
+function deformed(
+  material: Material,
+  [variant, uniforms]: ReturnType<typeof variantOf>,
+  further: object,
+  patch?: Parameters<typeof deform>[3],
+): void {
+  if (variant.together) Object.assign(material, { extensions: { multiDraw: true } });
+  deform(material, variant, { ...uniforms, ...further }, patch);
 }
 
 function colourMaterial(
@@ -80,9 +91,10 @@ function colourMaterial(
   if (leaves && from.userData.shoots) material.defines = { ...material.defines, SHOOT_TILES: "" };
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
-  const [variant, own] = variantOf(part, moves, `colour-${atmosphere.key}`, uniforms, "seen");
-  const given = { ...own, ...atmosphere.uniforms, ...surface };
-  deform(material, variant, given, (shader) => patchColour(shader, part, moves, atmosphere));
+  const variant = variantOf(part, moves, `colour-${atmosphere.key}`, uniforms, "seen");
+  deformed(material, variant, { ...atmosphere.uniforms, ...surface }, (shader) =>
+    patchColour(shader, part, moves, atmosphere),
+  );
   return material;
 }
 
@@ -107,8 +119,7 @@ function shadowMaterial(
     map: colour.alphaTest > 0 ? colour.map : null,
     alphaTest: colour.alphaTest,
   });
-  const [variant, own] = variantOf(part, moves, "depth", uniforms, "casting");
-  deform(material, variant, { ...own, ...surface });
+  deformed(material, variantOf(part, moves, "depth", uniforms, "casting"), surface);
   return material;
 }
 

@@ -23,17 +23,8 @@ export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTex
 
 /** Marks the first texels of a four-channel flat texture for upload, in whole rows. */
 export function uploadFirst(texture: DataTexture, texels: number): void {
-  uploadRows(texture, [[0, texels]]);
-}
-
-/** Marks runs of texels of a four-channel flat texture for upload, in whole rows; each is a first texel and an end. */
-export function uploadRows(texture: DataTexture, runs: readonly (readonly [number, number])[]): void {
   texture.clearUpdateRanges();
-  const rows = new Set<number>();
-  for (const [from, end] of runs)
-    for (let row = Math.floor(from / TEXTURE_WIDTH); row < Math.ceil(end / TEXTURE_WIDTH); row++)
-      rows.add(row);
-  for (const row of [...rows].sort((a, b) => a - b))
-    texture.addUpdateRange(row * TEXTURE_WIDTH * 4, TEXTURE_WIDTH * 4);
+  const rows = Math.ceil(texels / TEXTURE_WIDTH);
+  for (let row = 0; row < rows; row++) texture.addUpdateRange(row * TEXTURE_WIDTH * 4, TEXTURE_WIDTH * 4);
   texture.needsUpdate = true;
 }

@@ -65,7 +65,7 @@ export function jointsOf({ part, firstVertex }: PlannedPart, motion: DrawnMotion
     }
     return new BufferAttribute(joints, 4);
   };
-  return { aJoint: new BufferAttribute(joint, 4), aJoints12: pair(1), aJoints34: pair(3) };
+  return { aJoints0: new BufferAttribute(joint, 4), aJoints12: pair(1), aJoints34: pair(3) };
 }
 
 function geometryOf(planned: PlannedPart, motion: DrawnMotion | null): InstancedBufferGeometry {

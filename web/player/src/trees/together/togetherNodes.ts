@@ -12,7 +12,7 @@ import type { Easing } from "../../core/motion/easedPoses";
 import type { DrawnMotion, NodeLevel } from "../../core/table/drawnTable";
 import type { DrawList } from "../drawList";
 import { roomFor } from "../instanceData";
-import { flatTexture, uploadRows } from "../nodes/flatTexture";
+import { FLAT_SHIFT, flatTexture } from "../nodes/flatTexture";
 import { uintTarget } from "../nodes/glslNodes";
 import { gatherPoses, PERIODS, type PoseRows, writeLinks } from "../nodes/levelPass";
 import { COVER_GLSL } from "../nodes/levelShader";
@@ -40,6 +40,17 @@ function linksOf(level: NodeLevel): Float32Array {
   const links = new Float32Array(4 * level.nodes);
   writeLinks(level, links, 0);
   return links;
+}
+
+/** Marks runs of texels of a four-channel flat texture for upload, in whole rows; each is a first texel and an end. */
+function uploadRows(texture: DataTexture, runs: readonly (readonly [number, number])[]): void {
+  const width = 2 ** FLAT_SHIFT;
+  const rows = new Set<number>();
+  for (const [from, end] of runs)
+    for (let row = Math.floor(from / width); row < Math.ceil(end / width); row++) rows.add(row);
+  texture.clearUpdateRanges();
+  for (const row of [...rows].sort((a, b) => a - b)) texture.addUpdateRange(row * width * 4, width * 4);
+  texture.needsUpdate = true;
 }
 
 /** Poses of the drawn trees: each level's from its own texel on. */

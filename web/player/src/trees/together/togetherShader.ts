@@ -17,23 +17,24 @@ vec4 aTint;
 vec4 treeTexel(int i) {
   return texelFetch(uTrees, ivec2(i & ((1 << ${FLAT_SHIFT}) - 1), i >> ${FLAT_SHIFT}), 0);
 }
+#ifndef STILL
+attribute vec4 aJoints0;  // at the finest level: the two nodes, share of the second / WHOLE_SHARE; the vertex
+attribute vec4 aJoints12; // the two nodes at the next two levels
+attribute vec4 aJoints34; // at the coarsest two
+vec4 aJoint;
+#endif
 void takeTree() {
   int i = 3 * (uTreesFrom[gl_DrawID] + gl_InstanceID);
   aPlace = treeTexel(i);
   aTurn = treeTexel(i + 1);
   aTint = treeTexel(i + 2);
+  #ifndef STILL
+    aJoint = aJoints0;
+    if (gl_DrawID == 1) aJoint.xy = aJoints12.xy;
+    if (gl_DrawID == 2) aJoint.xy = aJoints12.zw;
+    if (gl_DrawID == 3) aJoint.xy = aJoints34.xy;
+    if (gl_DrawID == 4) aJoint.xy = aJoints34.zw;
+    if (aJoint.x == aJoint.y) aJoint.z = 0.0;
+  #endif
 }
-#ifndef STILL
-attribute vec4 aJoint;   // at the finest level: the two nodes, share of the second / WHOLE_SHARE; the vertex
-attribute vec4 aJoints12; // the two nodes at the next two levels
-attribute vec4 aJoints34; // at the coarsest two
-vec3 joint() {
-  vec2 nodes = aJoint.xy;
-  if (gl_DrawID == 1) nodes = aJoints12.xy;
-  if (gl_DrawID == 2) nodes = aJoints12.zw;
-  if (gl_DrawID == 3) nodes = aJoints34.xy;
-  if (gl_DrawID == 4) nodes = aJoints34.zw;
-  return vec3(nodes, nodes.x == nodes.y ? 0.0 : aJoint.z);
-}
-#endif
 `;
