@@ -79,6 +79,8 @@ const viewOf = ({ eye, target }: Store["opened"]): Viewpoint =>
 
 const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, motion: asset.motion });
 
+/** Meshes are read for so long before a frame may come in between. */
+const TURN_MS = 200;
 /** The server lists all its trees within this time of the first one. */
 const LISTED_WITHIN_MS = 40;
 /** Trees that wait for the first one wait no longer than this. */
@@ -91,6 +93,8 @@ export class Catalogue {
   readonly recordChanges = signal(0);
   /** Settled when no mesh is being read. */
   private reading: Promise<unknown> = Promise.resolve();
+  /** When the meshes of the present turn began to be read. */
+  private turnFrom_ms = Number.NEGATIVE_INFINITY;
   /** Settled when the first tree loads. */
   readonly firstLoads: Promise<void>;
   private chosen: () => void = () => undefined;
@@ -361,10 +365,17 @@ export class Catalogue {
 
   /** Reads one mesh at a time and lets frames and messages in between, so that the first tree moves at once. */
   private readInTurn(opened: OpenedTree, kind: TreeKind): Promise<TreeModel> {
-    const turn = this.reading.then(() => new Promise((done) => setTimeout(done)));
+    const turn = this.reading.then(() => this.nextTurn());
     const model = turn.then(() => readTreeModel(opened, kind));
     this.reading = model.catch(() => undefined);
     return model;
+  }
+
+  /** A frame may take longer than several meshes, so these share a turn. */
+  private async nextTurn(): Promise<void> {
+    if (performance.now() - this.turnFrom_ms < TURN_MS) return;
+    await new Promise((done) => setTimeout(done));
+    this.turnFrom_ms = performance.now();
   }
 
   /** A full table may replace a preliminary one of the same mesh; the trees keep moving meanwhile. */
