@@ -7,7 +7,7 @@ import { dress, forest, frame, PICTURES_FOLDER, resize, steps, TINY_VIEWPORT } f
 const SPECIES_FILE = resolve(import.meta.dirname, "../../../assets/species/species.json");
 const SEASONS = ["spring", "summer", "autumn", "winter"] as const;
 const SEASON_SIZE = { width: 300, height: 380 };
-const DAYTIME = 0.4;
+const MORNING_DAYTIME = 0.4;
 const PICTURE_QUALITY = 0.82;
 /** Distance of the eye and height of the middle of the picture, relative to the height of the tree. */
 const EYE_SHARE = 1.1;
@@ -75,7 +75,7 @@ export async function species(page: Page, names: readonly string[]): Promise<voi
     const pictures: Buffer[] = [];
     for (const season of SEASONS) {
       await resize(page, TINY_VIEWPORT);
-      await dress(page, { season, daytime: DAYTIME, eye, at: { x, above, z }, after_s: 0 });
+      await dress(page, { season, daytime: MORNING_DAYTIME, eye, at: { x, above, z }, after_s: 0 });
       await steps(page, 10);
       await resize(page, SEASON_SIZE);
       pictures.push(await frame(page, 0, "image/png"));

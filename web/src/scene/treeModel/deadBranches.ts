@@ -29,8 +29,8 @@ interface Habit {
 }
 
 /** By eye, after stands of the species; spruces and pines keep dry branches for decades, broadleaves shed them within years. */
-const EVERGREEN: Habit = { per_m: 4, most: 24, length_m: [0.3, 1.3], rise_rad: [-0.45, 0.1] };
-const BROADLEAF: Habit = { per_m: 1.2, most: 8, length_m: [0.12, 0.7], rise_rad: [0.1, 0.7] };
+const EVERGREEN_HABIT: Habit = { per_m: 4, most: 24, length_m: [0.3, 1.3], rise_rad: [-0.45, 0.1] };
+const BROADLEAF_HABIT: Habit = { per_m: 1.2, most: 8, length_m: [0.12, 0.7], rise_rad: [0.1, 0.7] };
 
 /** Radius at the foot (m), at the bend and at the end relative to it. */
 const FOOT_RADIUS_M: readonly [number, number] = [0.008, 0.022];
@@ -131,7 +131,7 @@ export function deadBranches(wood: Wood, tubes: readonly Tube[], evergreen: bool
   const boughs = tubes.filter((tube) => tube !== stem && tube.radii_m[0] >= BOUGH_RADIUS_M);
   if (boughs.length === 0) return null;
   const crown_m = Math.min(...boughs.map(({ middles }) => middles[0][1]));
-  const habit = evergreen ? EVERGREEN : BROADLEAF;
+  const habit = evergreen ? EVERGREEN_HABIT : BROADLEAF_HABIT;
   const branches = feetBelow(crown_m, habit).map((height_m, k) => branchAt(wood, stem, height_m, k, habit));
   if (branches.length === 0) return null;
   const vertices = branches.flatMap((branch) => branch.positions.map(() => branch));

@@ -1,8 +1,8 @@
 /** Dead branches on a round stem whose crown begins at a height. */
 import { describe, expect, it } from "vitest";
-import { deadBranches } from "../../../web/src/scene/treeModel/deadBranches";
-import { cross, dot, minus, type Point } from "../../../web/src/scene/treeModel/points";
-import { tubesOf } from "../../../web/src/scene/treeModel/tubes";
+import { deadBranches } from "../../../../web/src/scene/treeModel/deadBranches";
+import { cross, dot, minus, type Point } from "../../../../web/src/scene/treeModel/points";
+import { tubesOf } from "../../../../web/src/scene/treeModel/tubes";
 
 const STEM_M = 0.15;
 const CROWN_M = 9;

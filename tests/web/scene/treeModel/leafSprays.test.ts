@@ -1,9 +1,9 @@
 /** The sprays that stand in for leaf cards near the eye. */
 import { describe, expect, test } from "vitest";
-import { seededRandom } from "../../../tools/species/random";
-import { leafSize, MOST_SHARE, nearRank, pieceSize, sharesOf } from "../../../web/player/src/trees/detail";
-import { leafSprays, SPRAY_VERTICES, SPRAYS_PER_CARD } from "../../../web/src/scene/treeModel/leafSprays";
-import { type Point, cross, dot, minus, plus, unit } from "../../../web/src/scene/treeModel/points";
+import { seededRandom } from "../../../../tools/species/random";
+import { leafSize, MOST_SHARE, nearRank, pieceSize, sharesOf } from "../../../../web/player/src/trees/detail";
+import { leafSprays, SPRAY_VERTICES, SPRAYS_PER_CARD } from "../../../../web/src/scene/treeModel/leafSprays";
+import { type Point, cross, dot, minus, plus, unit } from "../../../../web/src/scene/treeModel/points";
 
 const CARD_COUNT = 60;
 const SEED = 83;
