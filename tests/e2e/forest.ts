@@ -95,7 +95,7 @@ export const open = (page: Page, query: string) => page.goto(`${process.env.BASE
 /** Waits until all trees are displayed and move. */
 export async function forest(page: Page): Promise<void> {
   await page.waitForFunction(
-    () => window.galewood?.isWhole && window.galewood.trees.moving > 0 && window.galewood.time_s > 0.2,
+    () => window.galewood?.allPlanted && window.galewood.trees.moving > 0 && window.galewood.time_s > 0.2,
   );
 }
 

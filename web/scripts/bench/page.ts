@@ -76,7 +76,7 @@ export async function openPage(browser: Browser, base: string, query: string): P
 /** Waits until every tree moves. */
 export async function untilMoving(page: Page): Promise<void> {
   await page.waitForFunction(
-    () => window.galewood?.isWhole && window.galewood.trees.moving > 0 && window.galewood.time_s > 0.5,
+    () => window.galewood?.allPlanted && window.galewood.trees.moving > 0 && window.galewood.time_s > 0.5,
     undefined,
     { timeout: 180_000 },
   );

@@ -21,7 +21,7 @@ export async function forest(page: Page, query: string): Promise<void> {
   await page.goto(`${BASE_URL}/?${query}`, { waitUntil: "commit" });
   await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0);
   await page.waitForFunction(
-    () => window.galewood?.isWhole && window.galewood.trees.still === 0 && window.galewood.time_s > 0,
+    () => window.galewood?.allPlanted && window.galewood.trees.still === 0 && window.galewood.time_s > 0,
   );
   await page.waitForFunction(() => window.galewood?.statistics.impostors.ready);
   await page.evaluate(() => window.galewood?.sleep(true));

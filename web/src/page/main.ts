@@ -62,14 +62,14 @@ async function start(): Promise<void> {
   const { settings, defaults } = openedSettings(false);
   const store = new Store(settings, defaults, location.search);
   const trees = loadTrees(store);
-  await Promise.all([painted(), Promise.race([trees.catalogue.firstLoads, wait(LIST_PATIENCE_MS)])]);
+  await Promise.all([painted(), Promise.race([trees.catalogue.order.firstLoads, wait(LIST_PATIENCE_MS)])]);
   const graphics = detectGraphics();
   if (!graphics.webgl2) {
     trees.dispose();
     showNoGraphics();
     return;
   }
-  if (!graphics.software) trees.catalogue.loadAll();
+  if (!graphics.software) trees.catalogue.order.loadAll();
   const suited = openedSettings(graphics.software);
   store.suit(suited.settings, suited.defaults);
   document.body.classList.toggle("bare", !settings.panel);

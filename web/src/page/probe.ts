@@ -13,7 +13,7 @@ interface Probe {
   readonly readySpecies: string[];
   readonly trees: { moving: number; still: number };
   /** Whether all trees are loaded and planted. */
-  readonly isWhole: boolean;
+  readonly allPlanted: boolean;
   /** Number of trees of an upload or of a form of a species, by its id on the server. */
   planted(treeId: string): number;
   /** Number of trees that move by the paper's state search. */
@@ -88,8 +88,8 @@ export function exposeProbe(page: Page): void {
     get trees() {
       return figures.trees;
     },
-    get isWhole() {
-      return figures.isWhole;
+    get allPlanted() {
+      return figures.allPlanted;
     },
     planted: (treeId) => figures.planted(treeId),
     get paperTrees() {

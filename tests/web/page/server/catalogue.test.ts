@@ -47,7 +47,7 @@ function started(settings: Partial<Settings> = {}, waiting = false) {
     // A mesh is read in a task of its own.
     for (let task = 0; task < 3; task++) await new Promise((done) => setTimeout(done));
   };
-  if (!waiting) catalogue.loadAll();
+  if (!waiting) catalogue.order.loadAll();
   return { arriving, grown, settle, catalogue, settings: store.settings, state: store.state };
 }
 
@@ -119,19 +119,19 @@ describe("the first tree", () => {
   async function chosen(settings: Partial<Settings> = {}) {
     const all = started({ shares: {}, ...settings }, true);
     for (const one of three) handlers.change({ tree: one, job: null });
-    await all.catalogue.firstLoads;
+    await all.catalogue.order.firstLoads;
     await all.settle();
     return all;
   }
 
   test("stands in the middle of the first picture, and loads before the others", async () => {
     const { arriving, settle, state, catalogue, settings } = await chosen();
-    expect(catalogue.awaitsFirst).toBe(true);
+    expect(catalogue.order.awaitsFirst).toBe(true);
     const first = firstInView(catalogue.assets, settings.trees, settings.forestSeed, settings, EDGE_VIEW);
     expect([...arriving.keys()]).toEqual([first?.id]);
     state.treesSeen = true;
     await settle();
-    expect(catalogue.awaitsFirst).toBe(false);
+    expect(catalogue.order.awaitsFirst).toBe(false);
     expect([...arriving.keys()].toSorted()).toEqual(["ash", "elm", "oak"]);
   });
 
@@ -147,7 +147,7 @@ describe("the first tree", () => {
     state.inventory = "loading";
     await settle();
     expect(arriving.size).toBe(3);
-    expect(new Catalogue(new Store(DEFAULTS, DEFAULTS, "?share=f00d"), { loadTable: vi.fn() }).awaitsFirst).toBe(false);
+    expect(new Catalogue(new Store(DEFAULTS, DEFAULTS, "?share=f00d"), { loadTable: vi.fn() }).order.awaitsFirst).toBe(false);
   });
 });
 

@@ -24,7 +24,7 @@ export class ForestFigures {
   }
 
   /** Whether all trees are loaded and planted. */
-  get isWhole(): boolean {
+  get allPlanted(): boolean {
     return this.catalogue.isLoaded && this.world.client.isPlanned;
   }
 

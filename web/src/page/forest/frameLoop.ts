@@ -7,7 +7,7 @@ import type { World } from "./world";
 const REPORT_EVERY_MS = 250;
 /** The land is drawn without trees only if these take longer: its first picture would delay them. */
 const LAND_AFTER_MS = 3000;
-/** The scene stays static for this long while the first trees are loading. */
+/** The scene stays static, without shadows and small plants, for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
 
 /** One picture of the forest. */
@@ -95,8 +95,8 @@ export class FrameLoop {
     return !this.world.hasTrees || (steps && this.world.client.time_s <= from_s);
   }
 
-  /** The first picture of trees is drawn without what can wait, unless it is to be `whole`. */
-  private draw(passed_s: number, whole = false): void {
+  /** Until trees are seen, what can wait is not drawn for a while, unless the picture is to be `whole`. */
+  private draw(passed_s: number, whole = performance.now() > PATIENCE_MS): void {
     const { state } = this.store;
     if (this.world.draw(passed_s, this.waitsForTrees, whole || state.treesSeen)) {
       if (this.world.hasTrees) state.treesSeen = true;

@@ -105,8 +105,8 @@ export class Planting {
     if (inventory === "loading") return;
     const waits = this.planted && settings.trees > MOST_REPLANTED && !this.catalogue.isLoaded;
     if (waits && !replant) return;
-    const { isLoaded, awaitsFirst } = this.catalogue;
-    if (!this.planted && !isLoaded && !awaitsFirst && this.isPatient()) return;
+    const { isLoaded, order } = this.catalogue;
+    if (!this.planted && !isLoaded && !order.awaitsFirst && this.isPatient()) return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
     const stand = inventory && { stems: inventory.stems, individuals, named };
     const placed = plantForest(this.catalogue.assets, settings, stand);

@@ -18,6 +18,7 @@ import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
 import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api";
 import { type EventStream, followEvents } from "./eventStream";
+import { LoadingOrder } from "./loadingOrder";
 
 /** A tree of the forest, its last job, and the table that moves it once that is loaded. */
 export interface KnownTree {
@@ -81,11 +82,6 @@ const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, moti
 
 /** Meshes are read for so long before a frame may come in between. */
 const TURN_MS = 200;
-/** The server lists all its trees within this time of the first one. */
-const LISTED_WITHIN_MS = 40;
-/** Trees that wait for the first one wait no longer than this. */
-const WAIT_FOR_FIRST_MS = 4000;
-
 export class Catalogue {
   /** Number of changes of the forest's assets, after each of which the trees are placed again. */
   readonly assetChanges = signal(0);
@@ -95,16 +91,7 @@ export class Catalogue {
   private reading: Promise<unknown> = Promise.resolve();
   /** When the meshes of the present turn began to be read. */
   private turnFrom_ms = Number.NEGATIVE_INFINITY;
-  /** Settled when the first tree loads. */
-  readonly firstLoads: Promise<void>;
-  private chosen: () => void = () => undefined;
-  /** Settled when the trees after the first one may load. */
-  private readonly othersMayLoad: Promise<void>;
-  private release: () => void = () => undefined;
-  private released = false;
-  /** The tree that loads before the others: null until all that the server has are known. */
-  private first: TreeAsset | null = null;
-  private choosing = false;
+  readonly order = new LoadingOrder(() => this.firstSeen());
   /** Whether trees move by their tables without leaves; those that have none keep the other. */
   private bareWanted: boolean;
   private opened = false;
@@ -119,17 +106,10 @@ export class Catalogue {
     private readonly client: Pick<ForestClient, "loadTable">,
   ) {
     const { settings, state } = store;
-    this.firstLoads = new Promise((done) => {
-      this.chosen = done;
-    });
-    this.othersMayLoad = new Promise((done) => {
-      this.release = done;
-    });
-    if (state.share !== null) this.loadAll();
-    setTimeout(() => this.loadAll(), WAIT_FOR_FIRST_MS);
+    if (state.share !== null) this.order.loadAll();
     watch(
       () => [state.treesSeen, state.share, state.inventory],
-      () => this.loadAll(),
+      () => this.order.loadAll(),
     );
     this.bareWanted = this.wantsBare;
     watch(
@@ -150,20 +130,6 @@ export class Catalogue {
         state.connected = false;
       },
     });
-  }
-
-  /**
-   * Loads all trees of the forest at once. Until this is called, which happens by itself when trees are seen, only the
-   * first one loads: where the processor draws as well, the others would delay it by seconds.
-   */
-  loadAll(): void {
-    this.released = true;
-    this.release();
-  }
-
-  /** Whether the trees after the first one wait for it. */
-  get awaitsFirst(): boolean {
-    return !this.released;
   }
 
   /** Calls `listener` with the last change of each tree, and when a tree or its job has changed on the server. */
@@ -327,28 +293,17 @@ export class Catalogue {
     void this.follow(entry).catch((error: unknown) => this.failed(entry, error));
   }
 
-  /** Settled when this tree may load. */
-  private async turnOf(entry: Entry): Promise<void> {
-    if (!this.choosing && hasTable(entry.tree)) {
-      this.choosing = true;
-      setTimeout(() => this.chooseFirst(), LISTED_WITHIN_MS);
-    }
-    await Promise.race([this.firstLoads, this.othersMayLoad]);
-    if (entry.asset !== this.first) await this.othersMayLoad;
-  }
-
-  /** Of all trees, the one in the middle of the first picture is to be seen first. */
-  private chooseFirst(): void {
-    const { settings, opened } = this.store;
+  /** The tree in the middle of the first picture. */
+  private firstSeen(): TreeAsset | null {
     const { assets } = this;
-    this.first =
-      firstInView(assets, settings.trees, settings.forestSeed, settings, viewOf(opened)) ?? assets[0] ?? null;
-    this.chosen();
+    const { settings, opened } = this.store;
+    const { trees, forestSeed } = settings;
+    return firstInView(assets, trees, forestSeed, settings, viewOf(opened)) ?? assets[0] ?? null;
   }
 
   /** Fetches new mesh and table in parallel; superseded responses are dropped. */
   private async follow(entry: Entry): Promise<void> {
-    if (!this.released) await this.turnOf(entry);
+    if (this.order.awaitsFirst && hasTable(entry.tree)) await this.order.turnOf(entry.asset);
     await Promise.all([this.takeMesh(entry), this.takeTable(entry), this.takeBareTable(entry)]);
   }
 
@@ -431,7 +386,7 @@ export class Catalogue {
   /** Of a tree that cannot be loaded the other form is planted, if there is one. */
   private failed({ asset, leaf }: Entry, error: unknown): void {
     this.report(error);
-    this.loadAll();
+    this.order.loadAll();
     if (asset.model && leaf.motion) return;
     asset.hasTable = false;
     this.assetChanges.value++;
@@ -448,6 +403,7 @@ export class Catalogue {
   }
 
   dispose(): void {
+    this.order.loadAll();
     this.stream.close();
   }
 }

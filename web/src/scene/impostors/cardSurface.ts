@@ -1,4 +1,5 @@
 /** Colour and light of an impostor; the same as those of the trees' own shader, for leaves and wood in one picture. */
+import { snowOnNeedles } from "../treeSurface/treeLight";
 
 export const FLAT_VARYINGS = /* glsl */ `
 flat varying vec4 vCorner;
@@ -21,9 +22,9 @@ own = mix(own, mix(own, 0.87 * vTint.rgb * deviation, vTint.a), leafy);
 float open = 2.5 * (seen.surface.w - (leafy > 0.5 ? 0.6 : 0.0));
 vec3 ownNormal = fromOctahedron(2.0 * seen.surface.xy - 1.0);
 vec3 worldNormal = vec3(vTurn.x * ownNormal.x + vTurn.y * ownNormal.z, ownNormal.y, vTurn.x * ownNormal.z - vTurn.y * ownNormal.x);
-// Of a twig thinner than a pixel, the upper side is only a part; needles as in the trees' LEAF_SNOW.
+// Of a twig thinner than a pixel, the upper side is only a part.
 float lying = leafy > 0.5
-  ? 0.75 * smoothstep(0.35, 0.95, 0.3 + 0.3 * worldNormal.y + 0.75 * noise)
+  ? ${snowOnNeedles("worldNormal.y", "noise")}
   : 0.62 * smoothstep(0.25, 0.8, worldNormal.y + 0.5 * (noise - 0.6));
 own = mix(own, uSnowColour, lying * uSnow);
 diffuseColor.rgb = own;

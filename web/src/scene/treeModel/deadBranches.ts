@@ -43,7 +43,7 @@ const RANDOM_CHANNEL = 83;
 
 const mix = ([low, high]: readonly [number, number], share: number) => low + share * (high - low);
 
-/** The thickest branch that begins at the lowest place. */
+/** The thickest tube. */
 const stemOf = (tubes: readonly Tube[]): Tube | undefined =>
   [...tubes].sort((a, b) => b.radii_m[0] - a.radii_m[0])[0];
 

@@ -228,12 +228,15 @@ diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
 `;
 
 /**
- * Snow on needles: shoots on all sides of a crown hold some, fewer the more they face down. The normals are those of the crown, so by
- * them alone only its top would be white.
+ * GLSL of the share of snow on needles: shoots on all sides of a crown hold some, fewer the more they face down. The normals are those
+ * of the crown, so by them alone only its top would be white. `skyward`: the upward part of the normal; `random`: of the shoot, 0..1.
  */
+export const snowOnNeedles = (skyward: string, random: string): string =>
+  `0.8 * smoothstep(0.35, 0.95, 0.3 + 0.3 * ${skyward} + 0.75 * ${random})`;
+
 const LEAF_SNOW = /* glsl */ `
 float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
-float lying = 0.85 * smoothstep(0.35, 0.95, 0.3 + 0.3 * skyward + 0.75 * fract(vPiece.x * 7.0)) * uSnow;
+float lying = ${snowOnNeedles("skyward", "fract(vPiece.x * 7.0)")} * uSnow;
 diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
 `;
 

@@ -1,8 +1,7 @@
 /** Shader code of pass 1 that draws all levels of detail with one call (togetherNodes.ts); per level the same as nodes/levelShader.ts. */
-import { LONGEST_LINK, MOST_LINK_STRETCH } from "../../core/constants";
 import { LEVEL_COUNT } from "../detail";
 import { FLAT_SHIFT } from "../nodes/flatTexture";
-import { MOST_LINKS } from "../nodes/levelShader";
+import { SHORTEN_LINKS_GLSL } from "../nodes/levelShader";
 
 const PARS_GLSL = /* glsl */ `
 precision highp float;
@@ -68,6 +67,8 @@ void main() {
 export const SHORTEN_ALL_GLSL = /* glsl */ `${PARS_GLSL}
 uniform usampler2D uMoved;
 uniform sampler2D uLinks; // per node: vector from the node before it at rest, and the index of that
+#define LINKS_FROM uSizes[level].w
+#define MOVED_AT(of) movedAt(firstRow, tree + of)
 vec3 movedAt(int firstRow, int i) {
   return uintBitsToFloat(texelFetch(uMoved, ivec2(i & ((1 << uShift) - 1), firstRow + (i >> uShift)), 0).xyz);
 }
@@ -76,24 +77,7 @@ void main() {
   vec4 q;
   vec3 curl = summed(level, slot, node, q);
   int tree = slot * nodeCount;
-  vec3 moved = movedAt(firstRow, tree + node);
-  vec3 excess = vec3(0.0);
-  vec3 own = moved;
-  for (int k = 0; k < ${MOST_LINKS}; k++) {
-    vec4 link = flat_(uLinks, uSizes[level].w + node);
-    int before = int(link.w + 0.5);
-    if (before == node) break;
-    vec3 limb = movedAt(firstRow, tree + before);
-    vec3 now = link.xyz + own - limb;
-    float rest = length(link.xyz);
-    float stretched = length(now);
-    if (k == 0) curl /= clamp(stretched / max(rest, 1e-9), 1.0, ${MOST_LINK_STRETCH.toFixed(1)});
-    excess += now * max(0.0, 1.0 - ${LONGEST_LINK} * rest / max(stretched, 1e-9));
-    own = limb;
-    node = before;
-  }
-  moved -= excess;
-  texel = uvec4(packHalf2x16(moved.xy), packHalf2x16(vec2(moved.z, q[uSizes[level].z])),
-    packHalf2x16(curl.xy), packHalf2x16(vec2(curl.z, 0.0)));
-}
+  vec3 moved = MOVED_AT(node);
+  float wind = q[uSizes[level].z];
+  ${SHORTEN_LINKS_GLSL}}
 `;
