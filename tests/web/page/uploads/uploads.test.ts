@@ -83,7 +83,8 @@ test("in a shared forest a tree is planted for all once it is loaded, and only t
   const store = new Store(settingsWith({}), DEFAULTS, "?share=meadow");
   const sent: boolean[] = [];
   const assetChanges = signal(0);
-  const catalogue = { isLoaded: false, assets: [], leafMotion: () => null, find: () => null, assetChanges };
+  const order = { awaitsFirst: false };
+  const catalogue = { isLoaded: false, order, assets: [], leafMotion: () => null, find: () => null, assetChanges };
   const client = { plan: (_: unknown, plan: { share: { replant: boolean } }) => sent.push(plan.share.replant) };
   const world = { client, prepare: () => {} };
   new Planting(store, world as never, catalogue as never, { arrivals: signal(0) } as never);
@@ -98,14 +99,15 @@ test("in a shared forest a tree is planted for all once it is loaded, and only t
 });
 
 /** Two species, whose models and tables arrive one after the other; returns how many plans there were before and after a wait. */
-function plantingOf(trees: number, waited: boolean): number[] {
+function plantingOf(trees: number, waited: boolean, awaitsFirst = false): number[] {
   const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, "");
   store.settings.trees = trees;
   const model = { height_m: 10, radius_m: 2 };
   const asset = (id: string) => ({ id, species: id, builtin: true, form: "open", hasTable: true, model: null as object | null, motion: null as object | null });
   const assets = [asset("poplar"), asset("maple")];
   const assetChanges = signal(0);
-  const catalogue = { isLoaded: false, assets, leafMotion: () => null, find: () => null, assetChanges };
+  const order = { awaitsFirst };
+  const catalogue = { isLoaded: false, order, assets, leafMotion: () => null, find: () => null, assetChanges };
   let plans = 0;
   const world = { client: { plan: () => plans++ }, prepare: () => {} };
   new Planting(store, world as never, catalogue as never, { arrivals: signal(0) } as never);
@@ -136,6 +138,10 @@ describe("the first trees", () => {
 
   test("are planted one after the other if they take long", () => {
     expect(plantingOf(20_000, true)).toEqual([0, 2, 3, 4, 5]);
+  });
+
+  test("do not wait for others that wait for the first one", () => {
+    expect(plantingOf(120, false, true)).toEqual([1, 2, 3, 4, 5]);
   });
 
   test("of a large forest are planted when they move, and again when all are loaded", () => {

@@ -85,6 +85,7 @@ export class FrameLoop {
     await this.world.settle();
     if (drawn) this.draw(dt_s, true);
     else this.frame++;
+    this.report();
   }
 
   /** Skip drawing until the first trees have moved: before that only the clouds would. */

@@ -59,13 +59,13 @@ function linksTexture(level: NodeLevel): DataTexture {
   return texture;
 }
 
-/** Writes the links of a level from a float of the data on. */
-export function writeLinks({ nodes, rest_m, parent }: NodeLevel, data: Float32Array, from: number): void {
+/** Writes the links of a level, whose nodes are numbered from `first` on. */
+export function writeLinks({ nodes, rest_m, parent }: NodeLevel, data: Float32Array, first: number): void {
   for (let node = 0; node < nodes; node++) {
     const before = parent[node];
     for (let axis = 0; axis < 3; axis++)
-      data[from + 4 * node + axis] = rest_m[3 * node + axis] - rest_m[3 * before + axis];
-    data[from + 4 * node + 3] = before;
+      data[4 * (first + node) + axis] = rest_m[3 * node + axis] - rest_m[3 * before + axis];
+    data[4 * (first + node) + 3] = first + before;
   }
 }
 

@@ -73,35 +73,34 @@ void main() {
 `;
 
 /**
- * Shortens the links of a node that are too long: `moved` and `curl` are its displacement and rotation, `MOVED_AT(node)` the displacement
- * of another node of its tree, `LINKS_FROM` the place of the first node in `uLinks`. Then writes the texel, with the `wind`.
+ * The rest of the second step, for a node: `curl` is the sum of its rotations, `movedAt(tree + node)` the displacement of a node of its
+ * tree, and `q` the last coordinates.
  */
 export const SHORTEN_LINKS_GLSL = /* glsl */ `
+  vec3 moved = movedAt(tree + node);
   vec3 excess = vec3(0.0);
   vec3 own = moved;
   for (int k = 0; k < ${MOST_LINKS}; k++) {
-    vec4 link = flat_(uLinks, LINKS_FROM + node);
+    vec4 link = flat_(uLinks, node);
     int before = int(link.w + 0.5);
     if (before == node) break;
-    vec3 limb = MOVED_AT(before);
+    vec3 limb = movedAt(tree + before);
     vec3 now = link.xyz + own - limb;
     float rest = length(link.xyz);
-    float stretched = length(now);
-    if (k == 0) curl /= clamp(stretched / max(rest, 1e-9), 1.0, ${MOST_LINK_STRETCH.toFixed(1)});
-    excess += now * max(0.0, 1.0 - ${LONGEST_LINK} * rest / max(stretched, 1e-9));
+    float span = length(now);
+    if (k == 0) curl /= clamp(span / max(rest, 1e-9), 1.0, ${MOST_LINK_STRETCH.toFixed(1)});
+    excess += now * max(0.0, 1.0 - ${LONGEST_LINK} * rest / max(span, 1e-9));
     own = limb;
     node = before;
   }
   moved -= excess;
-  texel = uvec4(packHalf2x16(moved.xy), packHalf2x16(vec2(moved.z, wind)),
+  texel = uvec4(packHalf2x16(moved.xy), packHalf2x16(vec2(moved.z, q[WIND_CHANNEL])),
     packHalf2x16(curl.xy), packHalf2x16(vec2(curl.z, 0.0)));
 `;
 
 export const SHORTEN_GLSL = /* glsl */ `${PARS_GLSL}
 uniform usampler2D uMoved;
 uniform sampler2D uLinks; // per node: vector from the node before it at rest, and the index of that
-#define LINKS_FROM 0
-#define MOVED_AT(of) movedAt(tree + of)
 vec3 movedAt(int i) {
   return uintBitsToFloat(texelFetch(uMoved, ivec2(i & ((1 << uShift) - 1), uRow + (i >> uShift)), 0).xyz);
 }
@@ -110,7 +109,5 @@ void main() {
   vec4 q;
   vec3 curl = summed(slot, node * 3 * QUADS, q);
   int tree = slot * uNodeCount;
-  vec3 moved = MOVED_AT(node);
-  float wind = q[WIND_CHANNEL];
   ${SHORTEN_LINKS_GLSL}}
 `;

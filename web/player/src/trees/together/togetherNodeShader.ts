@@ -66,18 +66,17 @@ void main() {
 
 export const SHORTEN_ALL_GLSL = /* glsl */ `${PARS_GLSL}
 uniform usampler2D uMoved;
-uniform sampler2D uLinks; // per node: vector from the node before it at rest, and the index of that
-#define LINKS_FROM uSizes[level].w
-#define MOVED_AT(of) movedAt(firstRow, tree + of)
-vec3 movedAt(int firstRow, int i) {
+uniform sampler2D uLinks;
+#define WIND_CHANNEL uSizes[level].z
+#define movedAt(i) movedIn(firstRow, i)
+vec3 movedIn(int firstRow, int i) {
   return uintBitsToFloat(texelFetch(uMoved, ivec2(i & ((1 << uShift) - 1), firstRow + (i >> uShift)), 0).xyz);
 }
 void main() {
   ${PLACE_GLSL}
   vec4 q;
   vec3 curl = summed(level, slot, node, q);
-  int tree = slot * nodeCount;
-  vec3 moved = MOVED_AT(node);
-  float wind = q[uSizes[level].z];
+  node += uSizes[level].w; // from here on counted over all levels, as in uLinks
+  int tree = slot * nodeCount - uSizes[level].w;
   ${SHORTEN_LINKS_GLSL}}
 `;

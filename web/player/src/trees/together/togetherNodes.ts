@@ -36,10 +36,18 @@ function joined(levels: readonly NodeLevel[], rowsOf: (level: NodeLevel) => Floa
   return texture;
 }
 
-function linksOf(level: NodeLevel): Float32Array {
-  const links = new Float32Array(4 * level.nodes);
-  writeLinks(level, links, 0);
-  return links;
+/** The links of all levels, whose nodes are numbered one level after the other. */
+function joinedLinks(levels: readonly NodeLevel[]): DataTexture {
+  const { texture, data } = flatTexture(
+    levels.reduce((sum, { nodes }) => sum + nodes, 0),
+    4,
+  );
+  let first = 0;
+  for (const level of levels) {
+    writeLinks(level, data, first);
+    first += level.nodes;
+  }
+  return texture;
 }
 
 /** Marks runs of texels of a four-channel flat texture for upload, in whole rows; each is a first texel and an end. */
@@ -117,7 +125,7 @@ export class TogetherNodes implements TreeNodes {
     this.textures = [
       joined(levels, (level) => level.basis),
       joined(levels, (level) => level.turn),
-      joined(levels, linksOf),
+      joinedLinks(levels),
     ];
     const [basis, turn, links] = this.textures;
     this.uniforms = {
