@@ -33,19 +33,16 @@ layout(location = 0) out uvec4 texel;
 vec4 flat_(sampler2D source, int i) {
   return texelFetch(source, ivec2(i & ((1 << FLAT_SHIFT) - 1), i >> FLAT_SHIFT), 0);
 }
-vec4 coordinates(int i) {
-  vec4 q = flat_(uPoses, i);
-  #ifdef BLEND
-    vec4 before = flat_(uBefore, i);
-    q = before + (q - before) * uShare;
-  #endif
-  return q;
-}
 /** Sum of three rows of a node over the coordinates of its tree, and the last of these, which hold the wind. */
 vec3 summed(int slot, int row, out vec4 q) {
   vec3 sum = vec3(0.0);
   for (int k = 0; k < QUADS; k++) {
-    q = coordinates(slot * QUADS + k);
+    int i = slot * QUADS + k;
+    q = flat_(uPoses, i);
+    #ifdef BLEND
+      vec4 before = flat_(uBefore, i);
+      q = before + (q - before) * uShare;
+    #endif
     sum.x += dot(q, flat_(uRows, row + k));
     sum.y += dot(q, flat_(uRows, row + QUADS + k));
     sum.z += dot(q, flat_(uRows, row + 2 * QUADS + k));
