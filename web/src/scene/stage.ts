@@ -24,7 +24,7 @@ import { groundHeight_m } from "./ground/landscape";
 import { StemFeet } from "./ground/stemFeet";
 import { Terrain } from "./ground/terrain";
 import { Undergrowth } from "./ground/undergrowth";
-import type { Quality } from "./quality";
+import { isAntialiased, type Quality } from "./quality";
 import { FlyingLeaves } from "./season/flyingLeaves";
 import type { Season } from "./season/season";
 import { Snowfall } from "./season/snowfall";
@@ -80,7 +80,7 @@ export class Stage {
     this.quality = quality;
     this.renderer = new WebGLRenderer({
       canvas,
-      antialias: quality !== "low",
+      antialias: isAntialiased(quality),
       powerPreference: "high-performance",
     });
     this.renderer.toneMapping = ACESFilmicToneMapping;
