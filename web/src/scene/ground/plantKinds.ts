@@ -1,9 +1,10 @@
 /** The kinds of low plants and other things on the ground: shape, density, how they bend, where they are. */
 import type { BufferGeometry } from "three";
 import type { Quality } from "../quality";
+import { leafBlade } from "../season/looseLeaf";
 import type { Tinted } from "../season/palette";
 import { SEASON_LOOKS, type Season } from "../season/season";
-import { fern, herb, leafBlade, sapling, shrub } from "./plantShapes";
+import { fern, herb, sapling, shrub } from "./plantShapes";
 import { mushroom, stone, stump, trunkOnGround } from "./solidShapes";
 import type { Trunks } from "./trunks";
 import {

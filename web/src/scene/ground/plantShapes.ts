@@ -1,4 +1,4 @@
-/** Meshes of low plants of height 1: shrubs, saplings, ferns, herbs, and a single leaf. */
+/** Meshes of low plants of height 1: shrubs, saplings, ferns and herbs. */
 
 import { hashUnit } from "galewood/random";
 import { BufferAttribute, BufferGeometry, Vector3 } from "three";
@@ -170,16 +170,4 @@ export function fern(): BufferGeometry {
     }
   }
   return shape.geometry;
-}
-
-/** A leaf of length 1, bent along its midrib, without a picture. */
-export function leafBlade(): BufferGeometry {
-  const geometry = new BufferGeometry();
-  const corners = [0, 0, -0.5, 0.3, 0.1, -0.08, -0.3, 0.1, -0.08, 0, 0.06, 0.55, 0, -0.03, 0];
-  const up = Float32Array.from(corners, (_, i) => (i % 3 === 1 ? 1 : 0));
-  geometry.setAttribute("position", new BufferAttribute(Float32Array.from(corners), 3));
-  geometry.setAttribute("normal", new BufferAttribute(up, 3));
-  geometry.setAttribute("uv", new BufferAttribute(new Float32Array(10), 2));
-  geometry.setIndex([0, 4, 1, 0, 2, 4, 4, 3, 1, 4, 2, 3]);
-  return geometry;
 }

@@ -1,4 +1,5 @@
 /** Shader code of everything in the undergrowth: cards with a picture, flat leaves, and bodies of wood, stone and mushrooms. */
+import { BLADE_GLSL } from "../season/looseLeaf";
 import { GROUND_WIND_PARS } from "./groundWind";
 import { KIND_LOOKS, type PlantKind } from "./plantKinds";
 
@@ -69,6 +70,9 @@ uniform vec3 uSunColour;
 varying vec2 vPlant;
 varying vec4 vLook;
 varying float vUp;
+#ifdef FLAT
+${BLADE_GLSL}
+#endif
 `;
 
 /** Drops what is transparent; leaves `plant` and `own`. */
@@ -87,7 +91,7 @@ export const SHADOW_GLSL = `#ifdef LEAFY\n${CUT_GLSL}#endif\n`;
 
 export const COLOUR_GLSL = /* glsl */ `
 #if defined(FLAT)
-  diffuseColor.rgb = vLook.rgb;
+  diffuseColor.rgb = blade(vLook.rgb, vPlant);
 #elif defined(SOLID)
   vec3 grain = texture2D(uNoise, vPlant * vec2(0.09, 0.2) + vLook.w).rgb;
   #if defined(STONE)

@@ -9,11 +9,11 @@ import {
   Mesh,
   MeshLambertMaterial,
 } from "three";
-import { leafBlade } from "../ground/plantShapes";
 import type { Quality } from "../quality";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
 import { CROWN_FLOATS, type Crowns } from "../sky/exposure";
 import { flightFrom, LEAF_PATH, looseShare, REST_S } from "./leafFlight";
+import { BLADE_GLSL, leafBlade } from "./looseLeaf";
 import type { Season } from "./season";
 import { seasonal } from "./seasonal";
 
@@ -32,6 +32,7 @@ attribute vec4 aFlight; // velocity, m/s; age at landing, s; height of the groun
 attribute vec4 aLook; // colour; random number
 uniform float uClock;
 varying vec3 vLeaf;
+varying vec2 vBlade; // across and along the leaf
 ${LEAF_PATH}
 mat3 tumbled(float seed, float age, float landed) {
   vec3 spin = vec3(4.0 + 5.0 * fract(seed * 17.0), 1.5 + 2.0 * fract(seed * 29.0), 3.0 + 4.0 * fract(seed * 41.0));
@@ -53,10 +54,14 @@ vec3 objectNormal = turned * normal;
 `;
 
 const POSITION_GLSL = /* glsl */ `
-float size = (0.09 + 0.07 * fract(aLook.w * 53.0)) * step(0.0, since)
+vec3 path = leafAt(aFrom.xyz, aFlight, aLook.w, since);
+// Drawn too large in the distance, where it would be less than a pixel wide.
+float size = mix(0.05, 0.09, smoothstep(1.5, 8.0, distance(path, cameraPosition)))
+  * (1.0 + 0.8 * fract(aLook.w * 53.0)) * step(0.0, since)
   * smoothstep(0.0, 0.15, since) * (1.0 - smoothstep(aFlight.z + ${(REST_S - 1).toFixed(1)}, aFlight.z + ${REST_S.toFixed(1)}, since));
-vec3 transformed = leafAt(aFrom.xyz, aFlight, aLook.w, since) + turned * (size * position);
+vec3 transformed = path + turned * (size * position);
 vLeaf = aLook.rgb;
+vBlade = uv;
 `;
 
 /** Light through the leaf, whatever side the sun is on. */
@@ -94,10 +99,10 @@ export class FlyingLeaves {
         .replace("#include <common>", `#include <common>\n${VERTEX_PARS}`)
         .replace("#include <beginnormal_vertex>", NORMAL_GLSL)
         .replace("#include <begin_vertex>", POSITION_GLSL);
-      const pars = "uniform vec3 uSunColour;\nvarying vec3 vLeaf;\n";
+      const pars = "uniform vec3 uSunColour;\nvarying vec3 vLeaf;\nvarying vec2 vBlade;\n";
       shader.fragmentShader = shader.fragmentShader
-        .replace("#include <common>", `#include <common>\n${AIR_PARS}${pars}`)
-        .replace("#include <map_fragment>", "diffuseColor.rgb = vLeaf;")
+        .replace("#include <common>", `#include <common>\n${AIR_PARS}${pars}${BLADE_GLSL}`)
+        .replace("#include <map_fragment>", "diffuseColor.rgb = blade(vLeaf, vBlade);")
         .replace("#include <lights_fragment_end>", LIGHT_GLSL)
         .replace("#include <opaque_fragment>", AIR_FRAGMENT)
         .replace("#include <fog_fragment>", "");
