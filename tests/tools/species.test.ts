@@ -2,7 +2,7 @@ import { readFileSync, statSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { beforeAll, describe, expect, it } from "vitest";
 import { readGlb } from "../../tools/species/glb";
-import { drawSprays, type GrownSpecies, growSpecies } from "../../tools/species/grow";
+import { drawShoots, drawSprays, type GrownSpecies, growSpecies } from "../../tools/species/grow";
 import { SPECIES } from "../../tools/species/parameters";
 import { decodePng } from "../../tools/species/pictures/picture";
 import { SHOOT_TILES_PER_SIDE } from "../../web/src/scene/treeModel/sprayTiles";
@@ -248,6 +248,22 @@ it.each(SPECIES.filter(({ form }) => form === "open"))("reproduces the picture o
     }
   }
 }, 60_000);
+
+it.each(SPECIES.filter(({ form, leaf }) => form === "open" && leaf.fuller))(
+  "reproduces the picture of the fuller shoots: $id",
+  (species) => {
+    const committed = decodePng(readFileSync(path(`${species.wood}.shoots.png`)));
+    expect(Buffer.compare(decodePng(drawShoots(species)!).data, committed.data)).toBe(0);
+    const side = committed.width / SHOOT_TILES_PER_SIDE;
+    for (let y = 0; y < committed.height; y++) {
+      for (let x = 0; x < committed.width; x++) {
+        const edge = x % side === 0 || x % side === side - 1 || y % side === 0;
+        if (edge) expect(committed.data[4 * (y * committed.width + x) + 3]).toBe(0);
+      }
+    }
+  },
+  60_000,
+);
 
 it("is deterministic", async () => {
   const species = SPECIES[SPECIES.length - 1];

@@ -1,7 +1,7 @@
 /** Grows all forms of the species into assets/species/: `npm run grow`, or some: `npm run grow poplar maple`. */
 import { mkdirSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
-import { drawSprays, growSpecies } from "./grow";
+import { drawShoots, drawSprays, growSpecies } from "./grow";
 import { SPECIES } from "./parameters";
 import type { Species } from "./species";
 
@@ -13,12 +13,18 @@ async function write(species: Species): Promise<void> {
   const { glb, skeleton, nodes, wood, twigs, leaves } = await growSpecies(species);
   writeFileSync(`${SPECIES_FOLDER}/${species.id}.glb`, glb);
   writeFileSync(`${SPECIES_FOLDER}/${species.id}.skeleton.json`, skeleton);
-  if (species.form === "open")
-    writeFileSync(`${SPECIES_FOLDER}/${species.wood}.sprays.png`, drawSprays(species));
+  if (species.form === "open") drawForBrowsers(species);
   const branchCount = new Set(nodes.map((node) => node.branch)).size;
   const [w, t, l] = [wood, twigs, leaves].map(({ indices }) => indices.length / 3);
   const triangles = `${w} wood, ${t} twig and ${l} leaf triangles`;
   console.log(`${species.id}: ${branchCount} branches, ${triangles}, ${(glb.length / 1e6).toFixed(2)} MB`);
+}
+
+/** Pictures of both forms of a species that only browsers draw. */
+function drawForBrowsers(species: Species): void {
+  writeFileSync(`${SPECIES_FOLDER}/${species.wood}.sprays.png`, drawSprays(species));
+  const shoots = drawShoots(species);
+  if (shoots) writeFileSync(`${SPECIES_FOLDER}/${species.wood}.shoots.png`, shoots);
 }
 
 mkdirSync(SPECIES_FOLDER, { recursive: true });

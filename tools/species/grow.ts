@@ -2,7 +2,7 @@ import { type TreeMeshes, writeGlb } from "./glb";
 import { type SkeletonNode, skeletonJson } from "./growth/skeleton";
 import { growTree } from "./growth/tree";
 import { barkPictures } from "./pictures/bark-picture";
-import { leafPicture, sprayPicture } from "./pictures/leaf-picture";
+import { fullerPicture, leafPicture, sprayPicture } from "./pictures/leaf-picture";
 import { encodePng } from "./pictures/picture";
 import type { Species } from "./species";
 
@@ -18,6 +18,12 @@ const BARK_HEIGHT = 768;
 /** The picture of the sprays of a species, which browsers draw near the eye in place of its leaf cards, as PNG. */
 export function drawSprays({ leaf, habit }: Species): Uint8Array {
   return encodePng(sprayPicture(leaf, habit.seed), false);
+}
+
+/** The picture of the shoots that browsers draw on the leaf cards, as PNG; null: they draw those of the mesh. */
+export function drawShoots({ leaf, habit }: Species): Uint8Array | null {
+  const picture = fullerPicture(leaf, habit.seed);
+  return picture && encodePng(picture, false);
 }
 
 /** Grows a species: the same parameters give the same bytes. */

@@ -105,6 +105,7 @@ export const spruce: Species = {
     leavesPerCard: 640,
     leavesPerSpray: 420,
     sideShoots: 8,
+    fuller: { sideShoots: 14, sideLength: 1.4, leavesPerCard: 1300 },
     branchedSpray: true,
     angle_deg: 50,
   },

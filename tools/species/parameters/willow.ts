@@ -114,6 +114,7 @@ export const willow: Species = {
     leavesPerCard: 44,
     leavesPerSpray: 12,
     sideShoots: 4,
+    fuller: { sideShoots: 6, sideLength: 1, leavesPerCard: 84 },
     branchedSpray: false,
     angle_deg: 32,
   },

@@ -17,6 +17,13 @@ export interface LeafLook {
   leavesPerSpray: number;
   /** Side shoots of the shoot on a card. */
   sideShoots: number;
+  /** The fuller shoot that browsers draw on a card in place of the one whose needles have the mass of the tree's. */
+  fuller?: {
+    sideShoots: number;
+    /** Length of the side shoots relative to usual ones. */
+    sideLength: number;
+    leavesPerCard: number;
+  };
   /** Whether the shoot of a spray has side shoots as well. */
   branchedSpray: boolean;
   /** Angle of the leaves to the shoot, degrees. */

@@ -32,6 +32,14 @@ const CARDS: Sheet = {
   grow: (look, palette, random) =>
     leafy(growShoots(random, look.sideShoots, look.leavesPerCard), look, palette, random),
 };
+const FULLER_CARDS: Sheet = {
+  ...CARDS,
+  grow: (look, palette, random) => {
+    const { sideShoots, leavesPerCard, fuller } = look;
+    const shoots = growShoots(random, sideShoots, leavesPerCard, fuller?.sideLength);
+    return fitted(look, leafy(shoots, look, palette, random));
+  },
+};
 const SPRAYS: Sheet = {
   ...SPRAY_TILES,
   tile_px: 384,
@@ -46,6 +54,11 @@ const SPRAYS: Sheet = {
 /** Four different shoots in a 2 × 2 atlas of 1024 pixels. */
 export function leafPicture(look: LeafLook, seed: number): Picture {
   return drawSheet(CARDS, look, seed);
+}
+
+/** The same for browsers, which draw fuller shoots of some species; null: they draw those of the mesh. */
+export function fullerPicture(look: LeafLook, seed: number): Picture | null {
+  return look.fuller ? drawSheet(FULLER_CARDS, { ...look, ...look.fuller }, seed) : null;
 }
 
 /** Eight different ends of shoots, with leaves of the size that they have on a card, in one atlas. */

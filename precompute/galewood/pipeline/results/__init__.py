@@ -3,6 +3,7 @@
 from galewood.pipeline.results.light import (
     LIGHT_FOLDER,
     PICTURES_FOLDER,
+    SHOOTS_NAME,
     SPRAYS_NAME,
     light_like,
     light_mesh,
@@ -28,6 +29,7 @@ __all__ = [
     "PICTURES_FOLDER",
     "PICTURE_SUFFIX",
     "SHIPPED_FOLDER",
+    "SHOOTS_NAME",
     "SPRAYS_NAME",
     "BuildResult",
     "ShippedTree",

@@ -4,7 +4,8 @@ A light mesh has the vertices of its render mesh in the same order, so the same 
 texture coordinates are rounded, normals are octahedral, and all are compressed with meshopt. Both forms of a
 species share pictures, which are WebP files beside the mesh. The extras of the material ``leaves`` name a
 further one as ``sprays``: eight sprays of the species, which a browser may draw near the eye in place of leaf
-cards. The folder ``light`` holds
+cards. The cards of some species show fuller shoots than those of the render mesh, which have the area of the
+tree's leaves. The folder ``light`` holds
 
 - ``name.glb`` for each tree, which refers to ``pictures/…`` relative to itself;
 - ``pictures/species-what.hash.webp``, each named by its content;
@@ -29,7 +30,7 @@ from galewood.util import WEBP_EXTENSION, WEBP_MIME, Json, glb_parts, packed_glb
 LIGHT_FOLDER, PICTURES_FOLDER, INDEX_FILE = "light", "pictures", "index.json"
 PICTURE_NAMES = {("wood", "baseColorTexture"): "bark", ("wood", "normalTexture"): "bark-normal"}
 """Material and slot -> name of a picture; others are named by their material."""
-LEAVES_NAME, SPRAYS_NAME = "leaves", "sprays"
+LEAVES_NAME, SPRAYS_NAME, SHOOTS_NAME = "leaves", "sprays", "shoots"
 COLOUR_QUALITY, NORMAL_QUALITY = 82, 90
 
 
@@ -79,6 +80,8 @@ class Pictures:
     _names: dict[str, str] = field(default_factory=dict[str, str])
     sprays: bytes | None = None
     """The picture of the sprays, as PNG."""
+    shoots: bytes | None = None
+    """The picture that browsers draw on the leaf cards, as PNG; None: that of the render mesh."""
 
     @property
     def sprays_uri(self) -> str | None:
@@ -88,6 +91,8 @@ class Pictures:
     def uri(self, material: str, slot: str, content: bytes) -> str:
         """The address of a picture, relative to a light mesh."""
         name = PICTURE_NAMES.get((material, slot), material)
+        if name == LEAVES_NAME and self.shoots is not None:
+            content = self.shoots
         if name not in self._names:
             quality = NORMAL_QUALITY if slot == "normalTexture" else COLOUR_QUALITY
             packed = _webp(content, quality)
@@ -120,24 +125,27 @@ def light_glb(render_glb: bytes, pictures: SharedPictures) -> bytes:
     )
 
 
-def write_light(folder: Path, trees: Iterable[tuple[str, str, bytes]], sprays: Mapping[str, bytes]) -> bool:
+def write_light(
+    folder: Path, trees: Iterable[tuple[str, str, bytes]], drawn: Mapping[tuple[str, str], bytes]
+) -> bool:
     """Write the light meshes of all trees to ``folder``, in place of those that it has; did a file change?
 
     ``trees``: name, species and render mesh of each. The first form of a species has the pictures of both.
-    ``sprays``: the picture of the sprays of each species that has one, as PNG.
+    ``drawn``: the pictures that only browsers draw, as PNG, by species and SPRAYS_NAME or SHOOTS_NAME.
     """
     pictures: dict[str, Pictures] = {}
     meshes: dict[str, bytes] = {}
     index: dict[str, str] = {}
     for name, species, render_glb in trees:
-        own = pictures.setdefault(species, Pictures(species, sprays=sprays.get(species)))
+        sprays, shoots = (drawn.get((species, kind)) for kind in (SPRAYS_NAME, SHOOTS_NAME))
+        own = pictures.setdefault(species, Pictures(species, sprays=sprays, shoots=shoots))
         meshes[f"{name}.glb"] = light_glb(render_glb, own)
         index[hashlib.sha256(render_glb).hexdigest()] = f"{name}.glb"
         if own.sprays is not None and own.sprays_uri is not None:
             index[hashlib.sha256(own.sprays).hexdigest()] = own.sprays_uri
-    drawn = {f"{PICTURES_FOLDER}/{file}": b for own in pictures.values() for file, b in own.files.items()}
+    images = {f"{PICTURES_FOLDER}/{file}": b for own in pictures.values() for file, b in own.files.items()}
     (folder / PICTURES_FOLDER).mkdir(parents=True, exist_ok=True)
-    files = meshes | drawn | {INDEX_FILE: (json.dumps(index, indent=1) + "\n").encode()}
+    files = meshes | images | {INDEX_FILE: (json.dumps(index, indent=1) + "\n").encode()}
     before = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
     changed = {
         file: content

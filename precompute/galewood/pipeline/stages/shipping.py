@@ -13,6 +13,7 @@ from galewood.pipeline.results import (
     LIGHT_FOLDER,
     PICTURE_SUFFIX,
     SHIPPED_FOLDER,
+    SHOOTS_NAME,
     SPRAYS_NAME,
     ShippedTree,
     build_key,
@@ -103,7 +104,8 @@ def ship_light(folder: Path) -> bool:
     meshes = builtin_meshes(folder)
     render_glbs = [(folder / SHIPPED_FOLDER / f"{mesh.name}.glb").read_bytes() for mesh in meshes]
     species = [str(mesh.options["species"]) for mesh in meshes]
-    drawn = {one: folder / f"{one}.{SPRAYS_NAME}.png" for one in species}
-    sprays = {one: path.read_bytes() for one, path in drawn.items() if path.is_file()}
+    kinds = [(one, kind) for one in species for kind in (SPRAYS_NAME, SHOOTS_NAME)]
+    files = {kind: folder / f"{kind[0]}.{kind[1]}.png" for kind in kinds}
+    drawn = {kind: path.read_bytes() for kind, path in files.items() if path.is_file()}
     trees = zip([mesh.name for mesh in meshes], species, render_glbs, strict=True)
-    return write_light(folder / LIGHT_FOLDER, trees, sprays)
+    return write_light(folder / LIGHT_FOLDER, trees, drawn)

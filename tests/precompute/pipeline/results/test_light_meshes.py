@@ -134,6 +134,25 @@ def test_the_pictures_of_a_light_mesh_look_like_those_of_the_render_mesh() -> No
             assert np.array_equal(old[..., 3:], new[..., 3:])
 
 
+@pytest.mark.parametrize("name", ["spruce", "larch-forest"])
+def test_browsers_draw_fuller_shoots_where_a_species_has_them(name: str) -> None:
+    light, _ = document_of((LIGHT / f"{name}.glb").read_bytes())
+    (uri,) = (image["uri"] for image in light["images"] if "-leaves." in image["uri"])
+    species = name.partition("-")[0]
+    with Image.open(LIGHT.parent / f"{species}.shoots.png") as drawn, Image.open(LIGHT / uri) as packed:
+        assert (drawn.size, drawn.mode, packed.format) == (packed.size, packed.mode, "WEBP")
+        old, new = (np.asarray(picture).astype(float) for picture in (drawn, packed))
+    assert np.array_equal(old[..., 3], new[..., 3])
+    # The mesh keeps the leaf area that its table was made with.
+    document, body = document_of((SHIPPED / f"{name}.glb").read_bytes())
+    (leaves,) = (material for material in document["materials"] if material["name"] == "leaves")
+    source = document["textures"][leaves["pbrMetallicRoughness"]["baseColorTexture"]["index"]]["source"]
+    view = document["bufferViews"][document["images"][source]["bufferView"]]
+    with Image.open(io.BytesIO(body[view["byteOffset"] :][: view["byteLength"]])) as of_mesh:
+        covered = (np.asarray(of_mesh)[..., 3] > 127).mean()
+    assert (new[..., 3] > 127).mean() > 1.4 * covered
+
+
 def test_a_light_mesh_is_read_with_its_pictures_and_fits_the_table() -> None:
     path = LIGHT / "apricot-forest.glb"
     tree = read_tree(mesh_with_companions(path), path.name, ImportRequest(species="apricot", height_m=12.0))
