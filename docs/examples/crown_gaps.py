@@ -50,7 +50,8 @@ for path in sorted(folder.glob("*.table")):
         leaf_covered = seen_from(leaves, direction, centre_m, radius_m, rays).depth_m > NOTHING_M
         reach = round(0.5 * OUTLINE_GAP_M / RAY_SPACING_M)
         down, along = np.mgrid[-reach : reach + 1, -reach : reach + 1]
-        outline = binary_closing(np.pad(leaf_covered, reach), down**2 + along**2 <= reach**2)
+        disc = down**2 + along**2 <= reach**2
+        outline = np.asarray(binary_closing(np.pad(leaf_covered, reach), disc), bool)
         outline = outline[reach:-reach, reach:-reach]
         gaps.append(1.0 - covered[outline].mean())
     print(
