@@ -495,6 +495,10 @@ WIRE_PRESENCE = 74
 """Kind of message, from the server: how many clients share the forest."""
 FOREST_OPTIONS = ("pose_easing", "method", "share", "replant", "about", "have")
 """Optional fields of FOREST."""
+MOST_STREAMED_TREES = 20000
+"""Most trees of a forest that a server steps, unless it is set otherwise; larger ones are played by their
+clients.
+"""
 MOST_ABOUT_ENTRIES = 32
 """Most entries in a forest's `about`."""
 MOST_PULLS_OF_FOREST = 32

@@ -8,6 +8,7 @@ from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Literal
 
+from galewood.constants import MOST_STREAMED_TREES
 from galewood.packaged import data_folder, species_folder
 from pydantic import AliasChoices, Field, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
@@ -15,8 +16,8 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 PACKAGE = Path(__file__).resolve().parent
 BYTES_PER_MEBIBYTE = 1024 * 1024
 MOST_INDIVIDUALS = 4
-LARGEST_FOREST, TREES_PER_CORE = 20_000, 12_000
-"""A step and a frame of 20,000 trees take 28 ms of a core (measured), and there are 30 per second."""
+TREES_PER_CORE = 12_000
+"""Half of a core: a step and a frame of 20,000 trees take 28 ms (measured), and there are 30 per second."""
 
 
 def default_workers() -> int:
@@ -31,7 +32,7 @@ def default_individuals() -> int:
 
 def default_server_trees() -> int:
     """Trees that this machine steps at 30 Hz in half of its time; at least one forest of the largest size."""
-    return max(LARGEST_FOREST, TREES_PER_CORE * default_workers())
+    return max(MOST_STREAMED_TREES, TREES_PER_CORE * default_workers())
 
 
 class Settings(BaseSettings):
@@ -102,10 +103,10 @@ class Settings(BaseSettings):
     event_streams: int = Field(default=256, ge=1)
     event_streams_per_address: int = Field(default=32, ge=1)
     event_stream_idle_s: float = Field(default=1800.0, gt=0)
-    forest_trees: int = Field(default=LARGEST_FOREST, ge=1)
+    forest_trees: int = Field(default=MOST_STREAMED_TREES, ge=1)
     forest_groups: int = Field(default=64, ge=1)
     server_trees: int = Field(default_factory=default_server_trees, ge=1)
-    address_trees: int = Field(default=LARGEST_FOREST, ge=1)
+    address_trees: int = Field(default=MOST_STREAMED_TREES, ge=1)
     address_trees_per_s: float = Field(default=10_000.0, gt=0)
     shared_forests: int = Field(default=64, ge=0)
     shared_forest_idle_s: float = Field(default=60.0, ge=0)

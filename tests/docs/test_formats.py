@@ -134,6 +134,7 @@ WIRE = [
     f"1 / ({spec.MAX_STEPS_PER_ADVANCE} · {spec.TICK_HZ} · `dt_s`)",
     f"map of up to {spec.MOST_ABOUT_ENTRIES} names",
     f"at most {spec.MOST_PULLS_OF_FOREST}, whenever they have changed",
+    f"for a forest larger than {spec.MOST_STREAMED_TREES:,} trees it should be",
 ]
 
 

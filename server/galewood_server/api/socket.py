@@ -209,6 +209,8 @@ class Session:
         if before and before.forest.share is None:  # its trees make room for the new ones
             self._service.forests.leave(before)
             before = None
+        if before:
+            before.client_buffer.streams = False
         try:
             if forest.mode == "stream" or forest.share is not None:
                 self._subscription = await self._join(forest, wind)
@@ -235,11 +237,9 @@ class Session:
             self._subscription = None
 
     def _check(self, forest: wire.Forest) -> WindState:
-        settings, wind = self._service.settings, _wind_state(forest.wind)
-        if len(forest.groups) > settings.forest_groups:
-            raise SessionError("too-many-groups", f"A forest may have up to {settings.forest_groups} groups")
-        if sum(group.count for group in forest.groups) > settings.forest_trees:
-            raise SessionError("too-many-trees", f"A forest may have up to {settings.forest_trees} trees")
+        most, wind = self._service.settings.forest_groups, _wind_state(forest.wind)
+        if len(forest.groups) > most:
+            raise SessionError("too-many-groups", f"A forest may have up to {most} groups")
         return wind
 
     def _check_tables(self, forest: wire.Forest) -> None:

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 from galewood.table import TableError
 
 from galewood_server.settings import Settings
@@ -102,6 +103,8 @@ class Forests:
 
     async def admit(self, plan: Forest, address: str) -> None:
         """Wait until the work for a forest request may be done. SessionError."""
+        if plan.mode == "stream":
+            self._check_size(plan)
         await self._rates.take(address, work_of(plan))
 
     async def change_wind(self, forest: LiveForest, wind: Wind, address: str) -> None:
@@ -113,6 +116,8 @@ class Forests:
 
     async def join(self, plan: Forest, wind: WindState, sink: FrameSink, address: str = "") -> Subscription:
         """Subscribe a client to the requested forest. SessionError."""
+        if not self._steps(plan):
+            plan = replace(plan, trees=np.empty((0, 4), np.float32))  # nothing here asks where they are
         client_buffer = ClientBuffer(
             sink, streams=plan.mode == "stream", stall_s=self._settings.socket_stall_s
         )
@@ -147,23 +152,41 @@ class Forests:
         empty = not forest.plan.groups and bool(plan.groups)
         if empty or (plan.replant and not forest.same_trees(plan)):
             await self._replant(forest, plan, address)
-        elif forest.needs_stepper and plan.mode == "stream":
-            await self._start_simulation(forest, plan, address)
+        elif plan.mode == "stream":
+            self._check_size(forest.plan)
+            if forest.needs_stepper:
+                await self._start_simulation(forest, plan, address)
         return forest
 
+    def _steps(self, plan: Forest) -> bool:
+        """Whether a forest is small enough to be stepped here. Larger ones are played by their clients."""
+        return plan.tree_count <= self._settings.forest_trees
+
+    def _check_size(self, plan: Forest) -> None:
+        """SessionError if a forest cannot be streamed because it is played by its clients."""
+        if not self._steps(plan):
+            count, most = plan.tree_count, self._settings.forest_trees
+            raise SessionError(
+                "too-many-trees",
+                f"A forest of {count:,} trees is played by the browsers: up to {most:,} are streamed",
+                'Request mode "table", and compute the motion from the tables.',
+            )
+
     async def _start_simulation(self, forest: LiveForest, plan: Forest, address: str) -> None:
-        """Start the simulation for the first streaming client, with the forest's or the client's trees."""
+        """Start the simulation for the first streaming client, with the forest's trees.
+
+        If the forest does not know their places, the client's trees have them, unless they are others.
+        """
         source = forest.plan if len(forest.plan.trees) else plan
-        if source.groups and source.groups == forest.plan.groups:
-            stepper = await self._stepper(forest, source, address)
-            forest.plan = replace(forest.plan, trees=source.trees)
-            forest.set_stepper(stepper)
+        if source.groups and forest.is_described_by(source):
+            forest.simulate(source.trees, await self._stepper(forest, source, address))
 
     async def _replant(self, forest: LiveForest, plan: Forest, address: str) -> None:
         simulated = plan.mode == "stream" or (forest.streamed and len(plan.trees) > 0)
         forest.replant(plan, await self._stepper(forest, plan, address) if simulated else None)
         if not simulated:
             self._budget.restore(forest, None)
+            forest.disconnect_clients(streaming=True)  # when they come back, they hear how it is played
 
     async def _create(self, plan: Forest, wind: WindState, address: str) -> LiveForest:
         from galewood_server.stream.forest import ForestClock

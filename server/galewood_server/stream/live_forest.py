@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,7 @@ from galewood_server.stream.wire import (
     Pulling,
     Pulls,
     Shared,
+    Trees,
     WindState,
 )
 
@@ -101,14 +103,24 @@ class LiveForest:
 
         return ForestStepper(tables, plan, self._clock, compliances)
 
+    def simulate(self, trees: Trees, stepper: ForestStepper) -> None:
+        """Start the simulation of the present trees, whose places a client may have brought."""
+        if not len(self.plan.trees):
+            self.plan = replace(self.plan, trees=trees)
+            self._post_shared()
+        self.set_stepper(stepper)
+
+    def is_described_by(self, plan: Forest) -> bool:
+        """Whether a request describes the current trees, of which it may know the places."""
+        return (self.plan.groups, self.plan.about) == (plan.groups, plan.about)
+
     def same_trees(self, plan: Forest) -> bool:
-        """Whether a request describes the current trees."""
+        """Whether a request asks for the current trees, moved as they are now."""
         mine = self.plan
-        return (mine.groups, mine.method, mine.pose_easing) == (
-            plan.groups,
-            plan.method,
-            plan.pose_easing,
-        ) and np.array_equal(mine.trees, plan.trees)
+        if (mine.groups, mine.method, mine.pose_easing) != (plan.groups, plan.method, plan.pose_easing):
+            return False
+        placed = len(mine.trees) > 0 and len(plan.trees) > 0
+        return np.array_equal(mine.trees, plan.trees) if placed else self.is_described_by(plan)
 
     def add(self, client: ClientBuffer, now_s: float) -> None:
         """Add a client and send it the current state."""
@@ -164,10 +176,11 @@ class LiveForest:
         for client in self.clients:
             client.deliver(self._latest, self._history, now_s)
 
-    def disconnect_clients(self) -> None:
-        """Abort the connections of all clients."""
+    def disconnect_clients(self, *, streaming: bool = False) -> None:
+        """Abort the connections of all clients, or of those who stream."""
         for client in self.clients:
-            client.disconnect()
+            if client.streams or not streaming:
+                client.disconnect()
 
     def _send_pulls(self) -> None:
         if self._pulls != self._sent_pulls:

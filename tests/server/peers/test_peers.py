@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from galewood.motion.wind.evaluation import Wind
+from galewood.motion.wind.transition import parse_state
 from galewood_server.peers import forest_leases
 from galewood_server.peers.forest_leases import claim_forest, release_forest, renew_forest
 from galewood_server.settings import Settings
@@ -218,6 +219,35 @@ def test_a_server_does_not_start_a_second_forest_of_the_same_name(peers: Peers) 
         with Client(two, query="?share=" + "x" * 70) as odd:
             odd.send(forest())
             frames_until(odd, lambda frame: frame.tick >= 3)
+
+
+def test_a_forest_that_its_clients_play_is_reached_through_any_server(peers: Peers) -> None:
+    one, two = peers.servers
+    request = forest("table", 100_000, share="wide", about={"planting": "trees=100000"})
+    with watching(one, "wide") as first, watching(two, "wide") as relayed:
+        first.send(request)
+        clocks = [next(reply for reply in iter(first.receive, None) if isinstance(reply, wire.Clock))]
+        relayed.send(joining("wide", mode="table"))
+        shared = next(reply for reply in iter(relayed.receive, None) if isinstance(reply, wire.Shared))
+        assert (shared.groups, shared.about) == (request.groups, request.about)
+        relayed.send(wire.Gust(10.0, 20.0))
+        for client in (first, relayed):
+            told = next(
+                parse_state(reply.state)
+                for reply in iter(client.receive, None)
+                if isinstance(reply, wire.WindState) and reply.state.get("fronts")
+            )
+            clocks.append(
+                next(reply for reply in iter(client.receive, None) if isinstance(reply, wire.Clock))
+            )
+            assert (told.fronts[0].x_m, told.fronts[0].z_m) == (10.0, 20.0)
+        ahead_s = [clock.time_s - clock.made_s for clock in clocks]
+        assert max(ahead_s) - min(ahead_s) < 0.5
+        assert peers.holder("wide") == one.url
+        with watching(two, "wide") as stream:
+            stream.send(joining("wide"))
+            failure, code, _ = stream.session_error()
+            assert (failure.code, code) == ("too-many-trees", 1008)
 
 
 def test_a_relayed_client_that_never_reads_is_disconnected(peers: Peers) -> None:

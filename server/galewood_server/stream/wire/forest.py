@@ -59,6 +59,11 @@ class Forest:
     have: Mapping[str, int] = field(default_factory=lambda: cast(Mapping[str, int], {}))
     """SHA-256 of a table -> bytes that the client has already received."""
 
+    @property
+    def tree_count(self) -> int:
+        """Number of trees, also if their places are not given."""
+        return sum(group.count for group in self.groups)
+
 
 @dataclass(frozen=True)
 class Shared:

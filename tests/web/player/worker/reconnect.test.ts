@@ -94,11 +94,11 @@ describe("the socket", () => {
     const problem = vi.fn();
     const socket = new ForestSocket("ws://here", { ...handlers, problem });
     const line = Line.last;
-    const refusal = { type: "error", code: "too-many-trees", title: "A forest may have up to 20000 trees", hint: "" } as const;
+    const refusal = { type: "error", code: "too-many-trees", title: "A forest of 20,001 trees is played by the browsers", hint: "" } as const;
     const refuse = () => line.onmessage?.({ data: encodeReply(refusal).buffer });
     refuse();
     expect(socket.lost).toBe(true);
-    expect(problem).toHaveBeenCalledWith(refusal.title, "");
+    expect(problem).toHaveBeenCalledWith(refusal.title, "", refusal.code);
     line.onmessage?.({ data: encodeReply({ type: "pong", t: 0, server_s: 0 }).buffer });
     expect(socket.lost).toBe(true);
     socket.arrived();

@@ -499,6 +499,11 @@ export const WIRE_PULLS = 73;
 export const WIRE_PRESENCE = 74;
 /** Optional fields of FOREST. */
 export const FOREST_OPTIONS = ["pose_easing", "method", "share", "replant", "about", "have"] as const;
+/**
+ * Most trees of a forest that a server steps, unless it is set otherwise; larger ones are played by their
+ * clients.
+ */
+export const MOST_STREAMED_TREES = 20000;
 /** Most entries in a forest's `about`. */
 export const MOST_ABOUT_ENTRIES = 32;
 /** Most pulls of one forest. */

@@ -16,7 +16,7 @@ import { RestRings } from "./motion/pulls/restRings";
 import { SharedMotion } from "./motion/sharedMotion";
 import { ShownPoses, type StartOfGroup } from "./motion/shownPoses";
 import { StreamMotion } from "./motion/streamMotion";
-import type { ForestPlan, FromWorker, ToWorker, TreeAt } from "./protocol";
+import type { ForestPlan, FromWorker, ShareRequest, ToWorker, TreeAt } from "./protocol";
 import { forestRequest, sharedGroups, streamMethod } from "./stream/forestRequest";
 import { forestUrl } from "./stream/forestUrl";
 import { motionBuffers, tableMotion } from "./table/tableMotion";
@@ -34,6 +34,8 @@ let field: WindField | null = null;
 let epoch = 0;
 /** Number of modes of each group of the plan. */
 let plannedModes: readonly number[] = [];
+/** The shared forest of the plan. */
+let sharedForest: ShareRequest | null = null;
 /** The displayed poses, which the next plan starts from. */
 const shown = new ShownPoses();
 let shownMethod: Method = "modal";
@@ -47,7 +49,8 @@ const responses = new PointResponses(
 const rests = new RestRings();
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
-const problem = (title: string, hint: string) => scope.postMessage({ kind: "problem", title, hint });
+const problem = (title: string, hint: string, code: string | null = null) =>
+  scope.postMessage({ kind: "problem", title, hint, code });
 
 async function load(sha256: string, url: string): Promise<void> {
   try {
@@ -125,7 +128,11 @@ function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: str
 }
 
 function onReply(reply: Reply): void {
-  if (reply.type === "shared") scope.postMessage({ kind: "shared", about: reply.about });
+  if (reply.type === "shared") {
+    // Whatever replaces these trees later, this page's connection may return without undoing it.
+    if (sharedForest) sharedForest.replant = false;
+    scope.postMessage({ kind: "shared", about: reply.about });
+  }
   if (reply.type === "presence") scope.postMessage({ kind: "present", clients: reply.clients });
   if (reply.type === "windState")
     scope.postMessage({ kind: "sharedWind", wind: finalWind(parseState(reply.state)) });
@@ -138,6 +145,7 @@ function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void 
   source = next;
   if (hidden) source.hide?.(true);
   rests.clear();
+  sharedForest = plan.share;
   shownMethod = plan.method;
   epoch = plan.epoch;
   watched = null;

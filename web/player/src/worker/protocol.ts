@@ -25,8 +25,8 @@ export type LookupPlace = "worker" | "server";
 /** A forest shared by several clients. */
 export interface ShareRequest {
   readonly id: string;
-  /** Replace its trees by these for everyone, if they differ. */
-  readonly replant: boolean;
+  /** Replace its trees by these for everyone, if they differ; false as soon as the server has done so. */
+  replant: boolean;
   /** What others need to reproduce the placement. */
   readonly about: About;
 }
@@ -196,4 +196,5 @@ export type FromWorker =
   /** Number of clients of the shared forest, this one included. */
   | { kind: "present"; clients: number }
   | { kind: "sharedWind"; wind: WindDocument }
-  | { kind: "problem"; title: string; hint: string };
+  /** `code`: of an error of the server. */
+  | { kind: "problem"; title: string; hint: string; code: string | null };

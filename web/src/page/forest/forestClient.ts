@@ -64,6 +64,8 @@ export class ForestClient {
   private readonly waiting = new Map<string, Pending<TableMotion>[]>();
   private readonly waitingRecords = new Map<string, Pending<void>>();
   private epoch = 0;
+  /** Whether planned trees are to replace those of the shared forest, until the server has described it. */
+  private replants = false;
   private arrived: (() => void) | null = null;
   /** The poses of the plan that is on its way. */
   private next: EasedPoses[] = [];
@@ -117,7 +119,9 @@ export class ForestClient {
     plan: Omit<ForestPlan, "epoch" | "groups">,
     arrived: () => void,
   ): void {
+    const { share } = plan;
     this.epoch++;
+    this.replants ||= share?.replant ?? false;
     this.next = groups.map(({ motion: { modes, levels }, ids }) => {
       const { coordinates } = levels[levels.length - 1];
       return new EasedPoses(ids.length, modes, coordinates);
@@ -127,6 +131,7 @@ export class ForestClient {
     this.busy = true;
     const full: ForestPlan = {
       ...plan,
+      share: share && { ...share, replant: this.replants },
       epoch: this.epoch,
       groups: groups.map(({ key, motion, leafTable, placement, ids, recorded, compliance }) => ({
         key,
@@ -221,16 +226,25 @@ export class ForestClient {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
     } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
     else if (message.kind === "pullField") this.pullFields.add(message.table, message.vertex, message.field);
-    else if (message.kind === "problem") showToast(message.title, message.hint);
+    else if (message.kind === "problem") this.complain(message);
     else this.adopt(message);
+  }
+
+  /** Shows what went wrong. A forest that is too large for the stream is moved here from now on. */
+  private complain({ title, hint, code }: Extract<FromWorker, { kind: "problem" }>): void {
+    const tooLarge = code === "too-many-trees";
+    showToast(title, tooLarge ? "This browser computes the motion now." : hint);
+    if (tooLarge) this.store.adopt({ lookup: "worker" });
   }
 
   /** What other clients have changed in a shared forest, and how many there are. */
   private adopt(message: Extract<FromWorker, { kind: "shared" | "present" | "sharedWind" }>): void {
     const { store } = this;
     if (message.kind === "present") store.state.present = message.clients;
-    else if (message.kind === "shared") store.adopt(foreignPlacement(store.settings, message.about));
-    else if (!sameWind(message.wind, store.settings.wind)) store.adopt({ wind: message.wind });
+    else if (message.kind === "shared") {
+      this.replants = false;
+      store.adopt(foreignPlacement(store.settings, message.about));
+    } else if (!sameWind(message.wind, store.settings.wind)) store.adopt({ wind: message.wind });
   }
 
   private settleRecords(table: string, fault: string | null): void {

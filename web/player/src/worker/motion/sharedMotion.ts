@@ -20,7 +20,7 @@ export interface SharedMotionOptions {
   request(): Request;
   /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply(reply: Reply): void;
-  problem(title: string, hint: string): void;
+  problem(title: string, hint: string, code?: string): void;
 }
 
 const STALE_MS = 3000;
@@ -33,6 +33,11 @@ export class SharedMotion implements MotionSource {
   private readonly windSender = new WindSender((request) => this.socket.send(request));
   /** Hands of this page, which it need not be told of. */
   private readonly own = new Set<number>();
+  /** The trees in the hands of others, which are searched for among all trees once. */
+  private readonly followed = new Map<
+    number,
+    { readonly x: number; readonly z: number; readonly at: TreeAt | null }
+  >();
 
   constructor(
     readonly local: LocalMotion,
@@ -61,10 +66,19 @@ export class SharedMotion implements MotionSource {
     const hands = new Set(others.map(({ hand }) => hand));
     for (const hand of this.local.hands.hands)
       if (!hands.has(hand) && !this.own.has(hand)) this.local.release(hand);
+    for (const hand of this.followed.keys()) if (!hands.has(hand)) this.followed.delete(hand);
     for (const { hand, x, z, vertex, target } of others) {
-      const at = treeAtPlace(this.options.placements, x, z);
+      const at = this.treeOf(hand, x, z);
       if (at) this.local.pull({ hand, at, vertex, target_m: target });
     }
+  }
+
+  private treeOf(hand: number, x: number, z: number): TreeAt | null {
+    const known = this.followed.get(hand);
+    if (known?.x === x && known.z === z) return known.at;
+    const at = treeAtPlace(this.options.placements, x, z);
+    this.followed.set(hand, { x, z, at });
+    return at;
   }
 
   pull(order: PullOrder): void {

@@ -40,7 +40,7 @@ export interface StreamOptions {
   readonly responses: PointResponses;
   /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply?(reply: Reply): void;
-  problem(title: string, hint: string): void;
+  problem(title: string, hint: string, code?: string): void;
 }
 
 const STALE_MS = 1400;

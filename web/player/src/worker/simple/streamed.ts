@@ -9,6 +9,7 @@ import { finalWind, parseState } from "../../core/wind/transition";
 import type { Reply } from "../../core/wire/wire";
 import { PointResponses } from "../motion/pulls/pointResponses";
 import { type StreamGroup, StreamMotion } from "../motion/streamMotion";
+import type { ShareRequest } from "../protocol";
 import type { Floats, GroupFrame } from "./messages";
 
 /** Which stream a forest is. */
@@ -39,6 +40,7 @@ export class StreamedForest {
   private readonly groups = new Map<number, StreamGroup>();
   private field: WindField | null = null;
   private motion: StreamMotion | null = null;
+  private share: ShareRequest | null = null;
   private changed = true;
 
   constructor(
@@ -94,11 +96,12 @@ export class StreamedForest {
     const { url, share, replant } = this.request;
     this.motion?.dispose();
     this.changed = false;
+    this.share = share === null ? null : { id: share, replant, about: {} };
     const options = {
       url,
       method: "modal" as const,
       poseEasing: null,
-      share: share === null ? null : { id: share, replant, about: {} },
+      share: this.share,
       responses: new PointResponses(),
       onReply: (reply: Reply) => this.reply(reply),
       problem: (title: string, hint: string) => this.notify({ kind: "problem", title, hint }),
@@ -107,7 +110,8 @@ export class StreamedForest {
   }
 
   private reply(reply: Reply): void {
-    if (reply.type === "presence") this.notify({ kind: "present", clients: reply.clients });
+    if (reply.type === "shared" && this.share) this.share.replant = false;
+    else if (reply.type === "presence") this.notify({ kind: "present", clients: reply.clients });
     else if (reply.type === "windState")
       this.notify({ kind: "sharedWind", wind: finalWind(parseState(reply.state)) });
   }

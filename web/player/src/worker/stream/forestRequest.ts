@@ -1,5 +1,6 @@
 /** The FOREST message of a plan. Pure. */
 
+import { MOST_STREAMED_TREES } from "../../core/constants";
 import type { Method } from "../../core/motion/method";
 import type { WindField } from "../../core/wind/field";
 import type { Forest } from "../../core/wire/wire";
@@ -40,6 +41,9 @@ export function forestRequest(
   time_s: number,
   { method, poseEasing, share, have }: PlanOptions,
 ): Forest {
+  const count = groups.reduce((sum, { placement }) => sum + placement.length / 4, 0);
+  // A larger forest is played by its clients, who know the places: the server has no use for them.
+  const isPlaced = mode === "stream" || count <= MOST_STREAMED_TREES;
   return {
     type: "forest",
     mode,
@@ -50,13 +54,13 @@ export function forestRequest(
     method,
     ...(share && { share: share.id, replant: share.replant, about: share.about }),
     ...(have && { have }),
-    trees: packed(groups),
+    trees: isPlaced ? packed(groups, count) : new Float32Array(),
   };
 }
 
 /** Placements of all groups, concatenated. */
-function packed(groups: readonly PlannedGroup[]): Float32Array<ArrayBuffer> {
-  const trees = new Float32Array(groups.reduce((sum, { placement }) => sum + placement.length, 0));
+function packed(groups: readonly PlannedGroup[], count: number): Float32Array<ArrayBuffer> {
+  const trees = new Float32Array(4 * count);
   let at = 0;
   for (const { placement } of groups) {
     trees.set(placement, at);

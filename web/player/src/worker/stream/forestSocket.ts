@@ -9,7 +9,8 @@ export interface SocketHandlers {
   /** Called after the request was sent. */
   opened?(): void;
   reply(reply: Reply): void;
-  problem(title: string, hint: string): void;
+  /** `code`: of an error of the server. */
+  problem(title: string, hint: string, code?: string): void;
 }
 
 const PING_EVERY_MS = 1000;
@@ -133,7 +134,7 @@ export class ForestSocket {
     } else if (reply.type === "error") {
       // The request was refused, for example because the forest has too many trees: nothing will arrive.
       if (!this.answered) this.lost = true;
-      this.handlers.problem(reply.title, reply.hint);
+      this.handlers.problem(reply.title, reply.hint, reply.code);
     } else this.handlers.reply(reply);
   }
 
