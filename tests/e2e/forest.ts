@@ -1,5 +1,5 @@
 /** Helpers of the page tests: open the page, wait for trees, compare pictures. */
-import { test as base, expect, type Page } from "@playwright/test";
+import { test as base, type Browser, expect, type Page } from "@playwright/test";
 import { PNG } from "pngjs";
 
 export { expect };
@@ -89,6 +89,13 @@ export const test = base.extend<Watched>({
     { auto: true },
   ],
 });
+
+/** A page of another visitor, in a window of its own: browsers show a page behind another one frame per second. */
+export async function visitor(browser: Browser): Promise<Page> {
+  const context = await browser.newContext({ viewport: { width: 320, height: 180 } });
+  await context.addInitScript(drawSlowly, DRAW_EVERY.never);
+  return context.newPage();
+}
 
 export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?${query}`);
 

@@ -141,6 +141,7 @@ for (const share of ["", "&share=hidden-tab"]) {
     await open(page, `${panelled}&lookup=server${share}`);
     await forest(page);
     await expect.poll(() => page.evaluate(() => window.galewood!.connection.state)).toBe("live");
+    closed = 0; // each planting has a socket of its own
     await setHidden(page, true);
     const drawn = await page.evaluate(() => window.galewood!.frame);
     // Poll until nothing arrives for two seconds.

@@ -1,10 +1,14 @@
 /** Lost connections: waiting times, attempts at once, and pages that nobody looks at. */
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Backoff } from "../../../../web/player/src/core/net/backoff";
-import { encodeReply } from "../../../../web/player/src/core/wire/wire";
+import { decodeTable } from "../../../../web/player/src/core/table/table";
+import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
+import { PRESETS } from "../../../../web/player/src/core/wind/presets";
+import { decodeRequest, encodeReply, type Reply } from "../../../../web/player/src/core/wire/wire";
+import { StreamedForest } from "../../../../web/player/src/worker/simple/streamed";
 import { followEvents } from "../../../../web/src/page/server/eventStream";
 import { ForestSocket } from "../../../../web/player/src/worker/stream/forestSocket";
-import { random } from "../../golden";
+import { golden, random } from "../../golden";
 
 test("waiting times double up to 30 s and are spread over half of each (seeds 1 to 50)", () => {
   for (let seed = 1; seed <= 50; seed++) {
@@ -107,6 +111,21 @@ describe("the socket", () => {
     socket.dispose();
   });
 
+  test.each([
+    ["too-many-trees", 1],
+    ["server-full", 2],
+  ])("asks again after the refusal %s only if it may pass", (code, asked) => {
+    const socket = new ForestSocket("ws://here", handlers);
+    Line.last.onmessage?.({ data: encodeReply({ type: "error", code, title: "", hint: "" }).buffer });
+    Line.last.close();
+    vi.advanceTimersByTime(300);
+    expect([Line.made.length, socket.lost]).toEqual([asked, true]);
+    socket.suspend(true);
+    socket.suspend(false); // the page is looked at again
+    expect(Line.made.length).toBe(asked + 1);
+    socket.dispose();
+  });
+
   test("gives up a connection that is not established within 10 s", () => {
     const socket = new ForestSocket("ws://here", handlers);
     vi.advanceTimersByTime(12_000);
@@ -146,6 +165,62 @@ describe("the socket", () => {
     socket.suspend(false);
     expect([Line.made.length, Line.last.closed]).toEqual([2, false]);
     socket.dispose();
+  });
+});
+
+describe("trees replace those of a shared forest once, and not again when the connection returns:", () => {
+  const shared: Reply = {
+    type: "shared",
+    share: "meadow",
+    groups: [],
+    pose_easing: null,
+    method: "modal",
+    about: {},
+    trees: new Float32Array(),
+  };
+
+  /** Whether the FOREST of a connection that has just been opened replaces the trees. */
+  function replants(): boolean | undefined {
+    const line = Line.last;
+    line.readyState = Line.OPEN;
+    line.onopen?.();
+    const request = decodeRequest((line.sent[1] as Uint8Array<ArrayBuffer>).slice().buffer);
+    return request.type === "forest" ? request.replant : expect.unreachable(request.type);
+  }
+
+  function comeBack(): void {
+    Line.last.close();
+    vi.advanceTimersByTime(600); // after a second failure, 0.5 s at most
+  }
+
+  function check(): void {
+    expect(replants()).toBe(true);
+    comeBack(); // before the server has answered
+    expect(replants()).toBe(true);
+    Line.last.onmessage?.({ data: encodeReply(shared).buffer });
+    comeBack();
+    expect(replants()).toBeUndefined();
+  }
+
+  test("the page's", async () => {
+    const worker = { onmessage: (_: { data: unknown }) => {}, postMessage: () => {} };
+    vi.stubGlobal("self", worker);
+    await import("../../../../web/player/src/worker/forestWorker");
+    const share = { id: "meadow", replant: true, about: {} };
+    const plan = { epoch: 1, groups: [], lookup: "worker", from_s: 0, method: "modal", poseEasing: null, share };
+    worker.onmessage({ data: { kind: "plan", plan, wind: PRESETS.still, socketUrl: "ws://here" } });
+    check();
+  });
+
+  test("those of a streamed forest of the package", () => {
+    const forest = new StreamedForest({ kind: "stream", url: "ws://here", share: "meadow", replant: true }, () => {});
+    const bytes = golden("pole.safetensors");
+    forest.read(0, bytes.slice().buffer, `tables/${"a".repeat(64)}`);
+    forest.plant(0, 0, Float32Array.of(1, 2, 0, 1));
+    forest.setWind(PRESETS.still);
+    const poses = new Float32Array(poseStride(decodeTable(bytes).metadata.modes));
+    forest.advance(0.016, null, [{ group: 0, poses } as never]);
+    check();
   });
 });
 

@@ -34,6 +34,8 @@ export class ForestSocket {
   private readonly backoff = new Backoff();
   private waiting: ReturnType<typeof setTimeout> | null = null;
   private suspended = false;
+  /** Whether the forest is too large for the server: asking again would be in vain, and costs up to 16 bytes a tree. */
+  private refused = false;
   /** Whether the requested data have arrived over this connection. */
   private answered = false;
   private disposed = false;
@@ -53,6 +55,7 @@ export class ForestSocket {
     this.socket = socket;
     this.begun_ms = performance.now();
     this.answered = false;
+    this.refused = false;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.send({ type: "hello", client: "galewood-web" });
@@ -67,6 +70,7 @@ export class ForestSocket {
       this.lastMessage_ms = Number.NaN;
       if (this.disposed || this.suspended) return;
       this.lost = true;
+      if (this.refused) return;
       this.waiting = setTimeout(() => this.connect(), this.backoff.next_ms());
     };
   }
@@ -134,6 +138,7 @@ export class ForestSocket {
     } else if (reply.type === "error") {
       // The request was refused, for example because the forest has too many trees: nothing will arrive.
       if (!this.answered) this.lost = true;
+      this.refused = reply.code === "too-many-trees";
       this.handlers.problem(reply.title, reply.hint, reply.code);
     } else this.handlers.reply(reply);
   }
