@@ -74,8 +74,8 @@ vec2 shootCopy(vec2 at) {
 /** Leaves are cut off below this alpha. */
 export const ALPHA_TEST = 0.42;
 
-/** Density of leaves from afar relative to that of their picture. */
-const FAR_DENSITY = 1.6;
+/** From afar, a shoot covers as much as so many of its pictures would behind each other, of which each has its holes elsewhere. */
+const FAR_LAYERS = 1.6;
 
 /**
  * Alpha of a leaf picture that is drawn smaller than it is, in texels per pixel: then it is the share of a pixel that leaves cover.
@@ -90,7 +90,8 @@ float leafCover(float alpha, vec2 texel, float wide, float piece) {
   if (far == 0.0) return alpha;
   vec2 cell = floor(texel * exp2(-ceil(level))) + 59.0 * floor(97.0 * piece);
   float chance = fract(52.9829189 * fract(dot(cell, vec2(0.06711056, 0.00583715))));
-  float covered = clamp(${ALPHA_TEST} + 4.0 * (${FAR_DENSITY.toFixed(1)} * alpha - chance), 0.0, 1.0);
+  float open = pow(1.0 - min(alpha, 1.0), ${FAR_LAYERS.toFixed(1)});
+  float covered = clamp(${ALPHA_TEST} + 4.0 * (1.0 - open - chance), 0.0, 1.0);
   return mix(alpha, covered, far);
 }
 `;
