@@ -2,6 +2,7 @@ import { expect, test } from "vitest";
 import { ModalForest } from "../../../../web/player/src/core/modal/modalForest";
 import { PlaceGusts } from "../../../../web/player/src/core/modal/placeGusts";
 import { GroupWind } from "../../../../web/player/src/core/motion/groupWind";
+import { JointWind } from "../../../../web/player/src/core/motion/jointWind";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
 import { CrownGusts } from "../../../../web/player/src/core/wind/crown";
 import { compressed, compression } from "../../../../web/player/src/core/wind/pressure";
@@ -45,16 +46,16 @@ function* play(frames: number, motion: LocalMotion, each: (frame: number) => voi
 }
 
 test("gusts within crowns agree with Python to 1e-9", () => {
-  const gusts = new CrownGusts(streamlined_exponent);
+  const gusts = new CrownGusts();
   gusts.set(new WindField(GOLDEN.winds[0]).at(7.25));
   const { x_m, z_m, yaw_rad, scale } = GOLDEN.trees;
   const yaw = yaw_rad.map(Math.fround);
-  const turn = yaw.flatMap((angle) => [Math.cos(angle), Math.sin(angle)]);
-  const trees = { x: x_m.map(Math.fround), z: z_m.map(Math.fround), turn, size: scale.map(Math.fround) };
+  const turn = yaw.flatMap((angle, i) => [Math.cos(angle), Math.sin(angle), Math.fround(scale[i])]);
+  const trees = { x: x_m.map(Math.fround), z: z_m.map(Math.fround), turn };
   const places = TABLE.modal.place.length / 3;
   const found = [0, 9, 40].flatMap((pressure, i) => {
     const out = new Float64Array(2 * places);
-    gusts.write(TABLE.modal.place, trees, i, Math.hypot(pressure, 0.5 * pressure), out);
+    gusts.write(TABLE.modal.place, streamlined_exponent, trees, i, Math.hypot(pressure, 0.5 * pressure), out);
     return [...out];
   });
   expect(found.length).toBe(GOLDEN.gusts.length);
@@ -96,7 +97,7 @@ test("far from the viewer trees feel the same wind everywhere in their crowns; t
   calm.setTrees(wind.x, wind.z, wind.column(2), wind.column(3));
   for (let frame = 0, time_s = 0; frame < 120; frame++) {
     time_s += FRAME_S;
-    wind.update(field, field.at(time_s));
+    new JointWind([wind]).update(field, field.at(time_s));
     calm.advance(FRAME_S, wind.pressureX, wind.pressureZ);
   }
   const gap = (poses: Float32Array) => Math.hypot(...calm.q.map((q, k) => q - poses[STRIDE * Math.floor(k / modes) + (k % modes)]));
@@ -109,11 +110,11 @@ test("the pressures of the gusts are along and across that at the tree, in its f
   const gusts = new PlaceGusts(TABLE.modal, 1);
   const places = TABLE.modal.place.length / 3;
   gusts.set(new WindField(GOLDEN.winds[0]).at(7.25));
-  const tree = { x: [3], z: [4], turn: [Math.cos(0.7), Math.sin(0.7)], size: [1.2] };
+  const tree = { x: [3], z: [4], turn: [Math.cos(0.7), Math.sin(0.7), 1.2] };
   const relative = new Float64Array(2 * places);
-  const direct = new CrownGusts(streamlined_exponent);
+  const direct = new CrownGusts();
   direct.set(new WindField(GOLDEN.winds[0]).at(7.25));
-  direct.write(TABLE.modal.place, tree, 0, 50, relative);
+  direct.write(TABLE.modal.place, streamlined_exponent, tree, 0, 50, relative);
   const out = new Float64Array(2 * places);
   expect(gusts.write(tree, 0, 30, -40, out)).toBe(true);
   for (let g = 0; g < places; g++) {

@@ -2,6 +2,7 @@ import { expect, test } from "vitest";
 import { compileKernel } from "../../../../web/scripts/compileKernel";
 import { decodeTable, type Table } from "../../../../web/player/src/core/table/table";
 import { ModalForest } from "../../../../web/player/src/core/modal/modalForest";
+import { FIRST_BYTE } from "../../../../web/player/src/core/modal/modalKernel";
 import { PlaceGusts } from "../../../../web/player/src/core/modal/placeGusts";
 import { WindField } from "../../../../web/player/src/core/wind/field";
 import { CALM_BREEZE } from "../../../../web/player/src/core/wind/presets";
@@ -14,6 +15,13 @@ const POLE = decodeTable(golden("pole.safetensors"));
 
 test("the committed kernel equals its compiled source", { timeout: 60_000 }, async () => {
   expect(Buffer.from(await compileKernel()).toString("hex"), "run: npm run kernel").toBe(MODAL_KERNEL);
+});
+
+test("the kernel's constants end before its data", () => {
+  const module = new WebAssembly.Module(Buffer.from(MODAL_KERNEL, "hex"));
+  const memory = new WebAssembly.Memory({ initial: 1 });
+  const { constantsEnd } = new WebAssembly.Instance(module, { env: { memory } }).exports;
+  expect((constantsEnd as WebAssembly.Global).value).toBeLessThanOrEqual(FIRST_BYTE);
 });
 
 /** Numbers of oscillators, coupled coordinates, modes, drag points, and places of the crown. */

@@ -9,6 +9,7 @@ import { dynamicPressure } from "../../../../web/player/src/core/wind/pressure";
 import type { Frame } from "../../../../web/player/src/core/wire/wire";
 import { JumpBlend } from "../../../../web/player/src/worker/motion/blend";
 import { GroupWind } from "../../../../web/player/src/core/motion/groupWind";
+import { JointWind } from "../../../../web/player/src/core/motion/jointWind";
 import { PoseSum } from "../../../../web/player/src/worker/stream/poseSum";
 import { PoseTimeline } from "../../../../web/player/src/worker/stream/timeline";
 
@@ -137,7 +138,7 @@ test.each([
   const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
   const peak_pa = dynamicPressure(7, 1.64);
   const wind = new GroupWind(placement, 10, peak_pa, 1.64, clamps);
-  wind.update(field, field.at(3));
+  new JointWind([wind]).update(field, field.at(3));
   const out = new Float32Array(2 * poseStride(3));
   wind.writeSpeeds(out, 3);
   const [velocityX, velocityZ] = [new Float64Array(2), new Float64Array(2)];

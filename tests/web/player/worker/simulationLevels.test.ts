@@ -2,6 +2,7 @@
 import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import { advance, treesOf } from "../../../../web/player/src/core/forest/trees";
+import { JointWind } from "../../../../web/player/src/core/motion/jointWind";
 import { EasedPoses } from "../../../../web/player/src/core/motion/easedPoses";
 import { type PackedGroup, packetBytes, packPoses } from "../../../../web/player/src/core/motion/posePacket";
 import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
@@ -100,6 +101,7 @@ describe("distant trees at 1280 × 720 from eye height, a camera that moves at 5
     const field = new WindField(PRESETS[preset]);
     const levels = new Shown(new LocalMotion(groups, field, { method: "modal", poseEasing: null }, 0), groups);
     const full = groups.map(({ table, placement }) => treesOf(table, placement));
+    const wind = new JointWind(full.map((trees) => trees.wind));
     const exact = groups.map(({ table, ids }) => easedOf(table, ids.length));
     const tops = TABLES.map(topmost);
     const errors = new Map<string, number>();
@@ -112,7 +114,7 @@ describe("distant trees at 1280 × 720 from eye height, a camera that moves at 5
       levels.motion.see(x, 0);
       levels.advance();
       for (const trees of full) trees.see(x, 0);
-      advance(full, field, frame * FRAME_S, FRAME_S);
+      advance(full, wind, field, frame * FRAME_S, FRAME_S);
       for (const [g, trees] of full.entries()) trees.write(exact[g].poses);
       if (frame < 120) continue;
       for (const [g, { placement, table }] of groups.entries()) {

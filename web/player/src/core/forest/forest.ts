@@ -1,4 +1,5 @@
 /** A forest without pictures: tables and places in, displacements of nodes and vertices out. */
+import { JointWind } from "../motion/jointWind";
 import { type Jointed, NodePose } from "../motion/nodePose";
 import type { SteppedTrees } from "../motion/steppedTrees";
 import type { Table } from "../table/table";
@@ -80,6 +81,7 @@ export class Forest {
   /** Number of trees. */
   readonly count: number;
   private readonly groves: readonly Grove[];
+  private readonly joint: JointWind;
   private field: WindField;
   private now_s: number;
 
@@ -95,6 +97,7 @@ export class Forest {
       return grove;
     });
     this.count = first;
+    this.joint = new JointWind(this.groves.map(({ trees }) => trees.wind));
     this.field = this.fieldOf(checkedWind(wind));
   }
 
@@ -112,12 +115,11 @@ export class Forest {
 
   private fieldOf(wind: Wind): WindField {
     if (typeof wind !== "function") return new WindField(wind);
-    const groveOf = new Map<unknown, Grove>(this.groves.map((grove) => [grove.trees.wind.x, grove]));
+    const places = this.groves.flatMap((grove) => grove.places);
     const at: Point = { x: 0, y: 0, z: 0 };
     return new GivenWind((x, z, time_s, outX, outZ) => {
-      const places = groveOf.get(x)?.places ?? [];
       for (let i = 0; i < x.length; i++) {
-        [at.x, at.y, at.z] = [x[i], places[i]?.y_m ?? 0, z[i]];
+        [at.x, at.y, at.z] = [x[i], places[i].y_m ?? 0, z[i]];
         const velocity = velocityAt(wind, at, time_s);
         outX[i] = velocity.x;
         outZ[i] = velocity.z;
@@ -128,7 +130,7 @@ export class Forest {
   /** Advances by dt_s (s), in steps of at most 1/30 s. Throws RangeError for what is no time. */
   step(dt_s: number): void {
     const trees = this.groves.map((grove) => grove.trees);
-    this.now_s = advance(trees, this.field, this.now_s, dt_s);
+    this.now_s = advance(trees, this.joint, this.field, this.now_s, dt_s);
   }
 
   /** The modal coordinates (m) of a tree: a view of the present ones, which the next step changes. */

@@ -2,6 +2,7 @@
 import { ModalForest } from "../modal/modalForest";
 import { PlaceGusts } from "../modal/placeGusts";
 import { GroupWind } from "../motion/groupWind";
+import type { JointWind } from "../motion/jointWind";
 import { SteppedTrees, stepsOf } from "../motion/steppedTrees";
 import type { TreeInstances } from "../motion/treeInstances";
 import type { Table } from "../table/table";
@@ -30,9 +31,10 @@ export function movedTo(trees: Trees, table: Table, placement: Float32Array): Tr
   return moved;
 }
 
-/** Advances all groups by a frame that ends at the returned time. */
+/** Advances all groups, in the wind at their trees, by a frame that ends at the returned time. */
 export function advance(
   groups: readonly SteppedTrees[],
+  wind: JointWind,
   field: WindField,
   time_s: number,
   dt_s: number,
@@ -42,7 +44,7 @@ export function advance(
   for (let step = 0; step < steps; step++) {
     now_s += step_s;
     const moment = field.at(now_s);
-    for (const trees of groups) trees.updateWind(field, moment);
+    wind.update(field, moment);
     for (const trees of groups) trees.step(step_s, moment);
   }
   return now_s;

@@ -67,7 +67,7 @@ export class CoarseForest extends ModalForest {
     const part = this.advanceBy(i, dtS, this.stepsOf[model]);
     this.model = 0;
     const { now, before, coordinates, places } = this;
-    const from = i * (now.length / this.count);
+    const from = i * this.width;
     for (let k = 0; k < coordinates.length; k++) {
       const at = from + places[k];
       out[to + coordinates[k]] = before[at] + (now[at] - before[at]) * part;
@@ -76,17 +76,17 @@ export class CoarseForest extends ModalForest {
 
   /** Prepares a tree for the coarse models: what they leave out stops where it is displayed. */
   leaveOut(i: number): void {
-    const { now, before, own, d } = this;
-    const row = now.length / this.count;
+    const { now, before, own, d, r, width } = this;
+    const first = i * width;
     for (let k = COARSE_OSCILLATORS; k < d; k++) {
-      this.v[i * own + k] = 0;
-      before[i * row + k] = now[i * row + k];
+      this.v[first + k] = 0;
+      before[first + k] = now[first + k];
     }
-    for (let k = own + 1; k < row; k++) before[i * row + k] = now[i * row + k];
+    for (let k = own + 1; k < own + r - d; k++) before[first + k] = now[first + k];
   }
 
   protected override step(i: number, px: number, pz: number): void {
     if (this.model === 0) super.step(i, px, pz);
-    else this.kernel?.steps[this.model](i, px, pz, 0);
+    else this.stepBy(this.model, i, px, pz, 0);
   }
 }

@@ -29,7 +29,7 @@ export class ModalForest extends TreeInstances {
   private readonly pose: Float64Array;
   private readonly limits: Float64Array;
   private readonly drag: ModalDrag;
-  /** [count, own] displacement of the oscillators: rows of d, padded to whole SIMD vectors in the kernel. */
+  /** Views of `states`: displacements and speeds of the oscillators; `own`: d, padded to whole SIMD vectors in the kernel. */
   private readonly e: Numbers;
   protected readonly v: Numbers;
   protected readonly own: number;
@@ -52,11 +52,12 @@ export class ModalForest extends TreeInstances {
     const { modal, metadata } = table;
     const { modes, dt_s } = metadata;
     const kernel = plain ? null : ModalKernel.make([{ modal, modes, dt_s }, ...coarse], count);
-    super(count, modes, dt_s, kernel);
     const d = modal.step.length / 6;
+    const own = kernel?.own ?? d;
+    super(count, modes, dt_s, kernel?.states ?? new Float64Array(count * 2 * (d + modes)), 2 * own);
     this.d = d;
     this.kernel = kernel;
-    this.own = kernel?.ownRow ?? d;
+    this.own = own;
     this.stepOf = Float64Array.from(modal.step);
     this.load = Float64Array.from(modal.load);
     this.sway = Float64Array.from(modal.sway);
@@ -65,9 +66,9 @@ export class ModalForest extends TreeInstances {
     this.pose = Float64Array.from(modal.pose);
     this.limits = Float64Array.from(modal.limits);
     this.drag = new ModalDrag(modal);
-    this.e = kernel?.e ?? new Float64Array(count * d);
-    this.v = kernel?.v ?? new Float64Array(count * d);
-    this.extrapolationRatio = kernel?.extrapolationRatio ?? new Float32Array(count);
+    this.e = this.states;
+    this.v = this.states.subarray(own);
+    this.extrapolationRatio = new Float32Array(count);
     this.ahead = new Float64Array(d);
     this.c = coupledOf(modal.limits.length);
     this.polynomial = new ModalTerms(modal, dt_s);
@@ -85,15 +86,12 @@ export class ModalForest extends TreeInstances {
 
   /** Copies the state of trees from another forest of this table; `rows`: their index there, −1 for a new tree. */
   adopt(from: ModalForest, rows: Int32Array): void {
-    const { own } = this;
     // The state layouts differ if one forest could not allocate a kernel: the trees start at rest.
     if (from.compiled !== this.compiled) return;
     rows.forEach((row, i) => {
       if (row < 0) return;
       this.takeOver(i, from, row);
       this.extrapolationRatio[i] = from.extrapolationRatio[row];
-      this.e.set(from.e.subarray(row * own, (row + 1) * own), i * own);
-      this.v.set(from.v.subarray(row * own, (row + 1) * own), i * own);
     });
   }
 
@@ -102,12 +100,12 @@ export class ModalForest extends TreeInstances {
    * determine the further modes, so its first pose may differ a little.
    */
   startAt(i: number, pose: Float32Array, rate: Float32Array, pressureX: number, pressureZ: number): void {
-    const { d, own, e, v, shownOf, dt } = this;
+    const { d, width, e, v, shownOf, dt } = this;
     for (let k = 0; k < d; k++) {
       const unit = shownOf[k] === 0 ? 0 : 1 / shownOf[k];
       // A tree s times as large sways s times slower.
-      v[i * own + k] = unit * rate[k] * this.size[i];
-      e[i * own + k] = unit * pose[k] - dt * v[i * own + k];
+      v[i * width + k] = unit * rate[k] * this.sizeOf(i);
+      e[i * width + k] = unit * pose[k] - dt * v[i * width + k];
     }
     this.rotatePressure(i, pressureX, pressureZ);
     // From the step before to the start, and to the next step: the tree is displayed between these two.
@@ -116,11 +114,10 @@ export class ModalForest extends TreeInstances {
 
   /** Adds to the coordinates e and speeds v [d] of tree i, per second of a tree of this size. */
   displace(i: number, e: ArrayLike<number>, v: ArrayLike<number>): void {
-    const { d, own, now, before, shownOf } = this;
-    const width = now.length / this.count;
+    const { d, width, now, before, shownOf } = this;
     for (let k = 0; k < d; k++) {
-      this.e[i * own + k] += e[k];
-      this.v[i * own + k] += v[k] * this.size[i];
+      this.e[i * width + k] += e[k];
+      this.v[i * width + k] += v[k] * this.sizeOf(i);
       now[i * width + k] += shownOf[k] * e[k];
       before[i * width + k] += shownOf[k] * e[k];
     }
@@ -129,14 +126,20 @@ export class ModalForest extends TreeInstances {
   protected step(i: number, px: number, pz: number): void {
     const gusty = this.gusts?.write(this.standing, i, px, pz, this.local) ?? false;
     const places = gusty ? this.mean.length : 0;
-    if (this.kernel) this.kernel.steps[0](i, px, pz, places);
+    if (this.kernel) this.stepBy(0, i, px, pz, places);
     else this.stepPlainly(i, px, pz, places);
+  }
+
+  /** A step of the kernel by a model. */
+  protected stepBy(model: number, i: number, px: number, pz: number, places: number): void {
+    const { kernel } = this;
+    if (kernel) this.extrapolationRatio[i] = kernel.step(kernel.models[model], i, px, pz, places);
   }
 
   /** `places`: G, or 0 if there are no gusts. */
   private stepPlainly(i: number, px: number, pz: number, places: number): void {
     const { d, e, v, stepOf, total, mean, local, polynomial } = this;
-    const first = i * d;
+    const first = i * this.width;
     let feltX = px;
     let feltZ = pz;
     for (let g = 0; g < places; g++) {
@@ -205,7 +208,7 @@ export class ModalForest extends TreeInstances {
   private writePose(i: number, px: number, pz: number, strength_pa: number): void {
     const { d, c, r, e, polynomial, limits, now, before, further, shownOf } = this;
     const { terms, pair } = polynomial;
-    const first = i * d;
+    const first = i * this.width;
     for (let k = 0; k < d; k++) terms[k] = e[first + k];
     terms[d] = px;
     terms[d + 1] = pz;
@@ -216,20 +219,18 @@ export class ModalForest extends TreeInstances {
     polynomial.writeShape(pair[0], pair[1], e, first, d + 2);
     further.fill(0);
     addRows(this.pose, terms, poseTerms(d, c), r - d, further);
-    const at = i * r;
     for (let k = 0; k < r; k++) {
-      before[at + k] = now[at + k];
-      now[at + k] = k < d ? shownOf[k] * terms[k] : further[k - d];
+      before[first + k] = now[first + k];
+      now[first + k] = k < d ? shownOf[k] * terms[k] : further[k - d];
     }
   }
 
   protected show(i: number, part: number): void {
-    const { now, before, q, d } = this;
-    const row = now.length / this.count;
-    let from = i * row;
+    const { now, before, q, d, width } = this;
+    let from = i * width;
     let at = i * this.r;
     for (const end = at + d; at < end; at++, from++) q[at] = before[from] + (now[from] - before[from]) * part;
-    from = i * row + this.own;
+    from = i * width + this.own;
     for (const end = (i + 1) * this.r; at < end; at++, from++) {
       q[at] = before[from] + (now[from] - before[from]) * part;
     }

@@ -4,26 +4,26 @@
  */
 import { ISOTROPIC_DRAG } from "../constants";
 import { MODAL_KERNEL } from "./modalKernel.wasm";
-import { coupledOf, dragInputs, forceTerms, type ModalTensors, meanGust } from "./modalTensors";
+import { coupledOf, dragInputs, type ModalTensors, meanGust } from "./modalTensors";
+import { sumsOf } from "./termSums";
 
 const PAGE_BYTES = 65_536;
+/**
+ * Forests share memories of this size, as a processor keeps the addresses of few pages at hand; a larger forest has a memory of
+ * its own.
+ */
+const SHARED_BYTES = 4 << 20;
 /** Floats per SIMD vector; rows are padded to a multiple. */
 const SIMD_LANES = 4;
 /** Data starts here, behind the constants that the compiler placed in the memory (tables of the power function). */
-const FIRST_BYTE = 4096;
+export const FIRST_BYTE = 4096;
 
-type DragTensor = "dragPoint" | "dragIn" | "dragOut" | "dragRest" | "dragPlace";
-type Tensor =
-  | ("stepping" | "pull" | "sway" | "force" | "meanGust" | "shown" | "posePlain" | "poseTerms" | "limits")
-  | DragTensor;
-const STATES = ["e", "v", "now", "before", "extrapolationRatio"] as const;
-type State = (typeof STATES)[number];
-type Place = Tensor | State | "terms" | "ahead" | "total" | "air" | "dragForce";
-type Row = "ownRow" | "furtherRow" | "stateRow" | "poseRow";
-type Setting = "halfStep_s" | "exponent" | "coupled" | "dragPoints" | "dragInputs" | Row;
-type Step = (tree: number, px: number, pz: number, places: number) => void;
-type Exports = Record<Place | Setting | "constantsEnd", WebAssembly.Global> & { step: Step };
+type Step = (model: number, tree: number, px: number, pz: number, places: number) => number;
 
+/** Fields of a model in the memory, padded. */
+const HEAD_FLOATS = 40;
+
+const sum = (values: readonly number[]) => values.reduce((all, one) => all + one, 0);
 const filled = (count: number) => SIMD_LANES * Math.ceil(count / SIMD_LANES);
 
 /** [rows, width] with zero-padded rows. */
@@ -35,6 +35,12 @@ function inFullRows(values: Float32Array, width: number): Float32Array {
     full.set(values.subarray(row * width, (row + 1) * width), row * filled(width));
   }
   return full;
+}
+
+/** Rows without the last ones if these are zero. */
+function withoutLast(values: Float32Array, width: number): Float32Array {
+  const last = values.findLastIndex((value) => value !== 0);
+  return values.subarray(0, width * Math.ceil((last + 1) / width));
 }
 
 function transposed(values: Float32Array, width: number): Float32Array {
@@ -56,32 +62,56 @@ function compile(): WebAssembly.Module | null {
   return compiled;
 }
 
-/** The table's tensors in the kernel's layout. */
-function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor, Float32Array> {
-  const placeLoad = transposed(modal.placeLoad, (2 * modal.place.length) / 3);
-  return {
-    stepping: inFullRows(transposed(modal.step, 6), d),
-    pull: inFullRows(transposed(modal.load, 2), d),
-    sway: inFullRows(modal.sway, d),
-    force: Float32Array.from([...inFullRows(modal.force, d), ...inFullRows(placeLoad, d)]),
-    meanGust: Float32Array.from(meanGust(modal)),
-    shown: inFullRows(modal.shown, d),
-    posePlain: inFullRows(modal.pose.subarray(0, d * further), further),
-    poseTerms: inFullRows(modal.pose.subarray(d * further), further),
-    limits: modal.limits,
-    ...dragTensors(modal, d),
-  };
+/** A memory with the kernel that works in it, and room for what its steps compute. */
+class KernelMemory {
+  readonly step: Step;
+  private readonly memory: WebAssembly.Memory;
+  private at = FIRST_BYTE;
+  private work: Float32Array = new Float32Array(0);
+
+  constructor(module: WebAssembly.Module, bytes: number) {
+    this.memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE_BYTES) });
+    this.step = new WebAssembly.Instance(module, { env: { memory: this.memory } }).exports.step as Step;
+  }
+
+  /** Whether there is room for so many floats. */
+  holds(floats: number): boolean {
+    return this.at + 4 * floats <= this.memory.buffer.byteLength;
+  }
+
+  take(floats: number): Float32Array {
+    const taken = new Float32Array(this.memory.buffer, this.at, floats);
+    this.at += 4 * filled(floats);
+    return taken;
+  }
+
+  /** Room that all steps share. */
+  workOf(floats: number): Float32Array {
+    if (this.work.length < floats) this.work = this.take(floats);
+    return this.work;
+  }
+}
+
+let shared: KernelMemory | undefined;
+
+/** A memory with room for so many floats. */
+function memoryOf(module: WebAssembly.Module, floats: number): KernelMemory {
+  if (!shared?.holds(floats))
+    shared = new KernelMemory(module, Math.max(SHARED_BYTES, FIRST_BYTE + 4 * floats));
+  return shared;
 }
 
 /** The tensors of the drag, points padded to whole vectors. */
-function dragTensors({ dragPoint, dragShape, dragRest, dragPlace, place }: ModalTensors, d: number) {
+function dragTensors({ dragPoint, dragShape, dragPlace, place }: ModalTensors, d: number) {
   const m = dragPoint.length / 2;
   const full = filled(m);
   const inputs = dragInputs(d);
-  const own = filled(d);
+  // Of these oscillators one matrix serves both ways.
+  const common = inputs - (inputs % SIMD_LANES);
+  const other = filled(d) - common;
   const point = new Float32Array(3 * full);
   const into = new Float32Array(inputs * 3 * full);
-  const out = new Float32Array(3 * full * own);
+  const out = new Float32Array(3 * full * other);
   let whole = 0;
   for (let j = 0; j < m; j++) whole += dragPoint[2 * j];
   for (let j = 0; j < m; j++) {
@@ -90,22 +120,19 @@ function dragTensors({ dragPoint, dragShape, dragRest, dragPlace, place }: Modal
     point[2 * full + j] = (ISOTROPIC_DRAG * dragPoint[2 * j]) / whole;
     for (let side = 0; side < 3; side++) {
       const row = dragShape.subarray((side * m + j) * d, (side * m + j + 1) * d);
-      out.set(row, (side * full + j) * own);
+      out.set(row.subarray(common), (side * full + j) * other);
       for (let k = 0; k < inputs; k++) into[(k * 3 + side) * full + j] = row[k];
     }
   }
   return {
-    dragPoint: point,
-    dragIn: into,
-    dragOut: out,
-    dragRest: inFullRows(dragRest, d),
-    dragPlace: inFullRows(transposed(dragPlace, place.length / 3), m),
+    points: full,
+    inputs,
+    common,
+    point,
+    into,
+    out,
+    place: inFullRows(transposed(dragPlace, place.length / 3), m),
   };
-}
-
-function lengths(given: Record<Tensor, Float32Array>): Record<Tensor, number> {
-  const all = Object.entries(given).map(([name, { length }]) => [name, length]);
-  return Object.fromEntries(all) as Record<Tensor, number>;
 }
 
 /** A model of a tree's motion, and the modes that it displays. */
@@ -116,101 +143,123 @@ export interface KernelModel {
   readonly dt_s: number;
 }
 
-/** Arrays of an instance of the kernel. */
-type Arrays = Partial<Record<Place, number>>;
-
-/** What a model's steps need; rows in floats. */
-function layoutOf({ modal, modes }: KernelModel) {
+/** A model as the kernel reads it; lengths in floats. */
+function layoutOf({ modal, modes, dt_s }: KernelModel) {
   const d = modal.step.length / 6;
+  const further = modes - d;
+  const pose = filled(further);
   const own = filled(d);
-  const given = tensors(modal, d, modes - d);
-  const sizes: Arrays = {
-    ...lengths(given),
-    terms: given.force.length / own,
-    ahead: own,
-    total: own,
-    air: (2 * given.dragPoint.length) / 3,
-    dragForce: given.dragPoint.length,
+  const terms = modal.force.length / d;
+  const places = modal.place.length / 3;
+  const few = sumsOf(modal.force, d);
+  const driveRows = 2 + (few ? few.count : terms);
+  const drag = dragTensors(modal, d);
+  const posePlain = inFullRows(withoutLast(modal.pose.subarray(0, d * further), further), further);
+  const poseTerms = inFullRows(modal.pose.subarray(d * further), further);
+  const shapes = withoutLast(poseTerms.subarray(2 * pose), pose);
+  const rows = [modal.load, modal.placeLoad].map((load) => inFullRows(transposed(load, load.length / d), d));
+  return {
+    own,
+    pose,
+    places,
+    driveRows,
+    /** Room for the factors, the terms (0: among the factors), and the rest, in the order of the kernel's fields. */
+    work: [
+      driveRows + 2 * places,
+      few ? terms + SIMD_LANES : 0,
+      own,
+      own,
+      2 * drag.points,
+      3 * drag.points,
+    ].map(filled),
+    /** Half the step and the exponent. */
+    numbers: [dt_s / 2, modal.streamlinedExponent],
+    counts: [
+      few?.count ?? 0,
+      driveRows,
+      posePlain.length / Math.max(1, pose),
+      shapes.length / Math.max(1, pose),
+      drag.points,
+      drag.inputs,
+      drag.common,
+    ],
+    coupled: coupledOf(modal.limits.length),
+    /** In the order of the kernel's fields. */
+    arrays: [
+      modal.limits,
+      inFullRows(modal.sway, d),
+      few ? inFullRows(few.shares, terms) : [],
+      inFullRows(transposed(modal.step, 6), d),
+      drag.into,
+      drag.point,
+      inFullRows(modal.dragRest, d),
+      drag.out,
+      inFullRows(modal.shown, d),
+      posePlain,
+      poseTerms.subarray(0, 2 * pose + shapes.length),
+      [...rows[0], ...inFullRows(few?.rows ?? modal.force, d), ...rows[1]],
+      meanGust(modal),
+      drag.place,
+    ],
   };
-  return { given, sizes, own, further: filled(modes - d) };
 }
 
-/** Instances of the kernel that share a memory, each with its own arrays; returns views of these. */
-function settle(module: WebAssembly.Module, arrays: readonly Arrays[]) {
-  const all = arrays.flatMap((sizes) => Object.values(sizes));
-  const bytes = all.reduce((sum, length) => sum + 4 * filled(length), FIRST_BYTE);
-  const memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE_BYTES) });
-  let at = FIRST_BYTE;
-  return arrays.map((sizes) => {
-    const kernel = new WebAssembly.Instance(module, { env: { memory } }).exports as unknown as Exports;
-    if (Number(kernel.constantsEnd.value) > FIRST_BYTE)
-      throw new Error("the kernel's constants need more room");
-    const views = {} as Record<Place, Float32Array>;
-    for (const [name, length] of Object.entries(sizes) as [Place, number][]) {
-      kernel[name].value = at;
-      views[name] = new Float32Array(memory.buffer, at, length);
-      at += 4 * filled(length);
-    }
-    return { kernel, views };
-  });
-}
-
-/** Tree states in the kernel's memory, and the step functions. */
+/** Tree states in the kernel's memory, and the step function. */
 export class ModalKernel {
   /** Floats per row of oscillators, padding included. */
-  readonly ownRow: number;
-  /** [count, ownRow] */
-  readonly e: Float32Array;
-  readonly v: Float32Array;
-  /** [count, ownRow + the remaining modes, padded] */
-  readonly now: Float32Array;
-  readonly before: Float32Array;
-  /** [count] */
-  readonly extrapolationRatio: Float32Array;
-  /** [2, G] gusts at the places of the tree that steps next, Pa. */
+  readonly own: number;
+  /** [count, own + own + twice a pose] displacements, speeds, and the poses after the last step and after the one before; a pose is own + the further modes, padded. */
+  readonly states: Float32Array;
+  /** [2, G] gusts at the places of the tree that steps next with the first model, Pa; trees of other forests use the same. */
   readonly local: Float32Array;
+  /** Where the models are. */
+  readonly models: readonly number[];
   /**
-   * Of each model: advances a tree by one step under a pressure (Pa) in its own frame and the gusts in `local`; `places`: G,
-   * or 0 if it has none, as for all models but the first.
+   * Advances a tree by a step of a model under a pressure (Pa) in its own frame and the gusts in `local`; `places`: G, or 0
+   * if it has none, as for all models but the first. Returns sway or pressure over its largest sampled value.
    */
-  readonly steps: readonly Step[];
+  readonly step: Step;
 
   private constructor(module: WebAssembly.Module, models: readonly KernelModel[], count: number) {
     const layouts = models.map(layoutOf);
-    const [{ own, further, sizes }] = layouts;
-    const row = own + further;
-    const states = { e: count * own, v: count * own, now: count * row, before: count * row };
-    Object.assign(sizes, states, { extrapolationRatio: count });
-    const instances = settle(
-      module,
-      layouts.map((layout) => layout.sizes),
-    );
-    const [first] = instances;
-    ({
-      e: this.e,
-      v: this.v,
-      now: this.now,
-      before: this.before,
-      extrapolationRatio: this.extrapolationRatio,
-    } = first.views);
-    instances.forEach(({ kernel, views }, k) => {
-      const { modal, dt_s } = models[k];
-      const { given, own: stepped, further: displayed } = layouts[k];
-      for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
-      for (const name of STATES) kernel[name].value = first.kernel[name].value;
-      kernel.halfStep_s.value = dt_s / 2;
-      kernel.exponent.value = modal.streamlinedExponent;
-      kernel.coupled.value = coupledOf(modal.limits.length);
-      kernel.dragPoints.value = given.dragPoint.length / 3;
-      kernel.dragInputs.value = dragInputs(modal.step.length / 6);
-      kernel.ownRow.value = 4 * stepped;
-      kernel.furtherRow.value = 4 * displayed;
-      kernel.stateRow.value = 4 * own;
-      kernel.poseRow.value = 4 * row;
+    const [{ own, pose, places, driveRows }] = layouts;
+    const row = 4 * own + 2 * pose;
+    const most = Math.max(...layouts.map(({ work }) => sum(work)));
+    const needed = layouts.map(({ arrays }) => sum(arrays.map(({ length }) => filled(length))) + HEAD_FLOATS);
+    const memory = memoryOf(module, count * row + most + sum(needed));
+    this.own = own;
+    this.states = memory.take(count * row);
+    const room = memory.workOf(most);
+    this.models = layouts.map((layout) => {
+      const head = memory.take(HEAD_FLOATS);
+      const placed = layout.arrays.map((values) => {
+        const array = memory.take(values.length);
+        array.set(values);
+        return array.byteOffset;
+      });
+      let at = room.byteOffset;
+      const rooms = layout.work.map((floats) => {
+        at += 4 * floats;
+        return at - 4 * floats;
+      });
+      // Without sums the terms are the factors behind the pressure.
+      if (layout.work[1] === 0) rooms[1] = rooms[0] + 8;
+      const lengths = [layout.own, layout.pose, row, own, 2 * own, 3 * own + pose, own].map(
+        (floats) => 4 * floats,
+      );
+      head.set(layout.numbers);
+      new Uint32Array(head.buffer, head.byteOffset + 8).set([
+        layout.coupled,
+        ...lengths,
+        this.states.byteOffset,
+        ...layout.counts,
+        ...rooms,
+        ...placed,
+      ]);
+      return head.byteOffset;
     });
-    this.local = first.views.terms.subarray(forceTerms(coupledOf(models[0].modal.limits.length)));
-    this.ownRow = own;
-    this.steps = instances.map(({ kernel }) => kernel.step);
+    this.local = room.subarray(driveRows, driveRows + 2 * places);
+    this.step = memory.step;
   }
 
   /**

@@ -2,6 +2,10 @@ import { CrownGusts, type CrownInstances } from "../wind/crown";
 import type { Moment } from "../wind/transition";
 import type { ModalTensors } from "./modalTensors";
 
+/** The turbulence that is being sampled, and the gusts at the places of one tree: the same for all forests, as one samples at a time. */
+const CROWN = new CrownGusts();
+let relative = new Float64Array(0);
+
 /**
  * Gusts at the places of the crowns of one table's trees, which drive the modal model beside the pressure. Nothing is
  * allocated per frame.
@@ -9,20 +13,20 @@ import type { ModalTensors } from "./modalTensors";
 export class PlaceGusts {
   /** [count] share of its gusts that each tree feels, 0..1. */
   readonly share: Float32Array;
-  private readonly place: Float64Array;
-  private readonly relative: Float64Array;
-  private readonly field: CrownGusts;
+  private readonly place: Float32Array;
+  private readonly exponent: number;
+  private moment: Moment | null = null;
 
   constructor({ place, streamlinedExponent }: ModalTensors, count: number) {
     this.share = new Float32Array(count).fill(1);
-    this.place = Float64Array.from(place);
-    this.relative = new Float64Array((2 * place.length) / 3);
-    this.field = new CrownGusts(streamlinedExponent);
+    this.place = place;
+    this.exponent = streamlinedExponent;
+    if (relative.length < place.length) relative = new Float64Array(place.length);
   }
 
   /** Takes the gusts of a moment. */
   set(moment: Moment): void {
-    this.field.set(moment);
+    this.moment = moment;
   }
 
   /**
@@ -30,11 +34,13 @@ export class PlaceGusts {
    * frame of the tree: along x at all places, then along z. Returns whether there are gusts; otherwise `out` is unchanged.
    */
   write(trees: CrownInstances, i: number, px: number, pz: number, out: Float64Array | Float32Array): boolean {
-    const { relative, field } = this;
+    const { place, moment } = this;
     const strength = Math.sqrt(px * px + pz * pz);
-    const places = relative.length / 2;
-    if (places === 0 || this.share[i] === 0 || strength === 0 || !field.blows) return false;
-    field.write(this.place, trees, i, strength, relative);
+    const places = place.length / 3;
+    if (places === 0 || this.share[i] === 0 || strength === 0 || !moment) return false;
+    CROWN.set(moment);
+    if (!CROWN.blows) return false;
+    CROWN.write(place, this.exponent, trees, i, strength, relative);
     const x = px * this.share[i];
     const z = pz * this.share[i];
     for (let g = 0; g < places; g++) {

@@ -1,9 +1,11 @@
 /** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
 
-import type { WindField } from "../wind/field";
 import { compression, dynamicPressure, heightFactor, pressurePerSpeed } from "../wind/pressure";
 import type { Moment } from "../wind/transition";
 import { poseStride } from "./poseStride";
+
+/** The trees of a group whose wind is evaluated; null: all. */
+export type Chosen = Uint32Array | null;
 
 export class GroupWind {
   readonly count: number;
@@ -17,11 +19,10 @@ export class GroupWind {
   /** Largest pressure relative to the sampled maximum. */
   extrapolationRatio = 0;
   private readonly speed_m_s: Float32Array;
-  protected readonly velocityX: Float64Array;
-  protected readonly velocityZ: Float64Array;
   protected readonly factor: Float64Array;
   /** Speed of the strongest gusts at the reference height. */
-  private gust_m_s = 0;
+  private gust_m_s = Number.NaN;
+  private gusty = false;
   private exponent = 0;
   private reference_m = 1;
   private tallest = 1;
@@ -44,8 +45,6 @@ export class GroupWind {
     this.pressureX = new Float32Array(this.count);
     this.pressureZ = new Float32Array(this.count);
     this.speed_m_s = new Float32Array(this.count);
-    this.velocityX = new Float64Array(this.count);
-    this.velocityZ = new Float64Array(this.count);
     this.factor = new Float64Array(this.count).fill(1);
   }
 
@@ -53,44 +52,56 @@ export class GroupWind {
     return Float32Array.from({ length: this.count }, (_, tree) => this.placement[tree * 4 + channel]);
   }
 
-  /** Evaluates the wind at all trees. */
-  update(field: WindField, moment: Moment): void {
-    const gusty = this.begin(moment);
-    field.velocity(this.x, this.z, moment, this.velocityX, this.velocityZ);
+  /** Writes where trees stand, from `first` on. */
+  place(trees: Chosen, x: Float64Array, z: Float64Array, first: number): void {
+    const count = trees?.length ?? this.count;
+    for (let k = 0; k < count; k++) {
+      const tree = trees ? trees[k] : k;
+      x[first + k] = this.x[tree];
+      z[first + k] = this.z[tree];
+    }
+  }
+
+  /** Takes the velocities (m/s) at these trees, which begin at `first`. */
+  take(moment: Moment, trees: Chosen, x: Float64Array, z: Float64Array, first: number): void {
+    this.begin(moment);
+    const count = trees?.length ?? this.count;
     let beyond = 0;
     let strongest = 0;
-    for (let tree = 0; tree < this.count; tree++) {
-      const ratio = this.press(tree, gusty);
+    for (let k = 0; k < count; k++) {
+      const ratio = this.press(trees ? trees[k] : k, x[first + k], z[first + k]);
       if (ratio > strongest) strongest = ratio;
       if (ratio > 1) beyond++;
     }
-    this.coverage = this.count === 0 ? 1 : 1 - beyond / this.count;
+    this.coverage = count === 0 ? 1 : 1 - beyond / count;
     this.extrapolationRatio = strongest;
   }
 
   /**
-   * Takes the profile of a wind. Returns whether its strongest gusts exceed the sampled range somewhere: then pressures
+   * Takes the profile of a wind, and whether its strongest gusts exceed the sampled range somewhere: then pressures
    * within it are scaled, too.
    */
-  protected begin({ wind }: Moment): boolean {
-    this.setProfile(wind.height_exponent, wind.reference_height_m);
-    this.gust_m_s = wind.mean_speed_m_s * (1 + wind.gustiness);
-    return !this.clamps && this.pressure_pa(this.gust_m_s * this.tallest) > this.sampledPeak_pa;
+  private begin({ wind }: Moment): void {
+    const same = this.hasProfile(wind.height_exponent, wind.reference_height_m);
+    const gust_m_s = wind.mean_speed_m_s * (1 + wind.gustiness);
+    if (same && gust_m_s === this.gust_m_s) return;
+    this.gust_m_s = gust_m_s;
+    this.gusty = !this.clamps && this.pressure_pa(gust_m_s * this.tallest) > this.sampledPeak_pa;
   }
 
   /**
-   * Sets the pressure at a tree by its velocity, limited to the sampled range, or nearly so. Returns the pressure without
+   * Sets the pressure at a tree by the velocity (m/s) at the reference height, limited to the sampled range, or nearly so. Returns the pressure without
    * that limit relative to the sampled maximum.
    */
-  protected press(tree: number, gusty: boolean): number {
-    const { pressureX, pressureZ, velocityX, velocityZ, factor } = this;
-    const vx = velocityX[tree] * factor[tree];
-    const vz = velocityZ[tree] * factor[tree];
+  protected press(tree: number, x: number, z: number): number {
+    const { pressureX, pressureZ, factor } = this;
+    const vx = x * factor[tree];
+    const vz = z * factor[tree];
     const speed_m_s = Math.sqrt(vx * vx + vz * vz);
     this.speed_m_s[tree] = speed_m_s;
     let perSpeed = pressurePerSpeed(speed_m_s, this.streamlined);
     const ratio = (perSpeed * speed_m_s) / this.sampledPeak_pa;
-    if (ratio > 1 || gusty) perSpeed *= this.shareAt(tree, ratio);
+    if (ratio > 1 || this.gusty) perSpeed *= this.shareAt(tree, ratio);
     pressureX[tree] = perSpeed * vx;
     pressureZ[tree] = perSpeed * vz;
     return ratio;
@@ -111,15 +122,16 @@ export class GroupWind {
     return dynamicPressure(speed_m_s, this.streamlined);
   }
 
-  /** Wind speed grows with height. */
-  private setProfile(exponent: number, reference_m: number): void {
-    if (exponent === this.exponent && reference_m === this.reference_m) return;
+  /** Wind speed grows with height; returns whether it did so before. */
+  private hasProfile(exponent: number, reference_m: number): boolean {
+    if (exponent === this.exponent && reference_m === this.reference_m) return true;
     this.exponent = exponent;
     this.reference_m = reference_m;
     for (let tree = 0; tree < this.count; tree++) {
       this.factor[tree] = heightFactor(this.height_m * this.placement[tree * 4 + 3], exponent, reference_m);
     }
     this.tallest = this.factor.reduce((a, b) => Math.max(a, b), 0);
+    return false;
   }
 
   /** Wind speed at a tree, m/s. */

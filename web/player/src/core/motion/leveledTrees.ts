@@ -1,8 +1,8 @@
 /** The trees of one table, of which distant ones are stepped less often and by coarse models. */
 import type { CoarseForest } from "../modal/coarseForest";
 import type { PlaceGusts } from "../modal/placeGusts";
-import type { WindField } from "../wind/field";
 import type { Moment } from "../wind/transition";
+import type { Chosen } from "./groupWind";
 import type { LeveledWind } from "./leveledWind";
 import { poseStride } from "./poseStride";
 import { FAR_LEVELS, type FramePace, SimulationLevels, type Turn } from "./simulationLevels";
@@ -10,7 +10,7 @@ import { SteppedTrees } from "./steppedTrees";
 
 /** Duration of a table step, s, by which the wind of a coarse step is taken at its middle. */
 const TABLE_STEP_S = 1 / 30;
-const NO_TREES = new Uint32Array(0);
+export const NO_TREES = new Uint32Array(0);
 
 /** The trees whose poses one frame has changed. */
 export interface Changed extends Turn {
@@ -53,10 +53,8 @@ export class LeveledTrees extends SteppedTrees<CoarseForest> {
     return this.changed;
   }
 
-  override updateWind(field: WindField, moment: Moment): void {
-    const { changed, wind } = this;
-    if (changed) wind.updateSome(field, moment, changed.near);
-    else super.updateWind(field, moment);
+  override get stepped(): Chosen {
+    return this.changed?.near ?? null;
   }
 
   override step(dt_s: number, moment: Moment): void {
@@ -69,19 +67,18 @@ export class LeveledTrees extends SteppedTrees<CoarseForest> {
     lookup.advanceSome(dt_s, wind.pressureX, wind.pressureZ, changed.near, gusts);
   }
 
-  /** Evaluates the wind at the distant trees of a level whose turn it is; call before `stepFar`. */
-  updateFarWind(level: number, field: WindField, moment: Moment): void {
-    const trees = this.changed?.far[level];
-    if (trees && trees.length > 0) this.wind.updateSome(field, moment, trees);
+  /** The distant trees of a level whose turn it is. */
+  turnsOf(level: number): Uint32Array {
+    return this.changed?.far[level] ?? NO_TREES;
   }
 
   /**
-   * Steps the distant trees of a level whose turn it is to a time (s), usually by a time (s), and writes their leading
+   * Steps the distant trees of a level whose turn it is, in the wind that was updated at them, to a time (s), usually by a time (s), and writes their leading
    * coordinates and the wind speed.
    */
   stepFar(level: number, until_s: number, usual_s: number, out: Float32Array): void {
-    const { lookup, levels, changed, wind, modes } = this;
-    const trees = changed?.far[level] ?? NO_TREES;
+    const { lookup, levels, wind, modes } = this;
+    const trees = this.turnsOf(level);
     const stride = poseStride(modes);
     const { pressureX, pressureZ } = wind;
     for (let k = 0; k < trees.length; k++) {

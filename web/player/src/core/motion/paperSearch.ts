@@ -179,23 +179,23 @@ export class PaperForest extends TreeInstances {
   }
 
   private accumulate(i: number, found: number): void {
-    const { now, before, r } = this;
+    const { now, before, r, width } = this;
     const { dq } = this.records;
     for (let k = 0; k < r; k++) {
-      before[i * r + k] = now[i * r + k];
-      now[i * r + k] += dq[found * r + k];
+      before[i * width + k] = now[i * width + k];
+      now[i * width + k] += dq[found * r + k];
     }
   }
 
   /** Follows the record's own trajectory; the offset from it decays like a critically damped spring. */
   private ease(i: number, found: number): void {
-    const { now, before, poses: pose, easing, r } = this;
+    const { now, before, poses: pose, easing, r, width } = this;
     const { dq } = this.records;
     const keep = (1 - easing) * (1 - easing);
     const pull = easing * easing;
     let settled = true;
     for (let k = 0; k < r; k++) {
-      const at = i * r + k;
+      const at = i * width + k;
       const came = this.starts[found] === 1 ? 0 : dq[(found - 1) * r + k];
       const offset = now[at] - pose[found * r + k];
       const speed = keep * (now[at] - before[at] - came) - pull * offset;
@@ -204,14 +204,14 @@ export class PaperForest extends TreeInstances {
       settled = settled && Math.abs(offset + speed) < SEARCH_SNAP && Math.abs(speed) < SEARCH_SNAP;
     }
     if (!settled) return;
-    for (let k = 0; k < r; k++) now[i * r + k] = pose[(found + 1) * r + k];
+    for (let k = 0; k < r; k++) now[i * width + k] = pose[(found + 1) * r + k];
   }
 
   protected show(i: number, part: number): void {
-    const { now, before, q, scale, r } = this;
+    const { now, before, q, scale, r, width } = this;
     for (let k = 0; k < r; k++) {
-      const at = i * r + k;
-      q[at] = (before[at] + (now[at] - before[at]) * part) * scale[k];
+      const at = i * width + k;
+      q[i * r + k] = (before[at] + (now[at] - before[at]) * part) * scale[k];
     }
   }
 }

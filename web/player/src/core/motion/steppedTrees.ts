@@ -1,8 +1,7 @@
 /** The trees of one table, stepped by the wind at each of them: the modal or the paper's method. */
 import type { PlaceGusts } from "../modal/placeGusts";
-import type { WindField } from "../wind/field";
 import type { Moment } from "../wind/transition";
-import type { GroupWind } from "./groupWind";
+import type { Chosen, GroupWind } from "./groupWind";
 import { poseStride } from "./poseStride";
 import type { TreeInstances } from "./treeInstances";
 
@@ -53,11 +52,12 @@ export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
     gusts.share[tree] = Math.min(1, Math.max(0, (GONE_M - far_m) / (GONE_M - FULL_M)));
   }
 
-  /** Evaluates the wind at every tree; call before `step`. */
-  updateWind(field: WindField, moment: Moment): void {
-    this.wind.update(field, moment);
+  /** The trees that `step` advances. */
+  get stepped(): Chosen {
+    return null;
   }
 
+  /** Call after the update of the wind at these trees. */
   step(dt_s: number, moment: Moment): void {
     const { lookup, gusts, wind } = this;
     gusts?.set(moment);

@@ -8,44 +8,49 @@ import type { CrownInstances } from "../wind/crown";
 
 export type Numbers = Float64Array | Float32Array;
 
-/** Common part of both methods; r modes. `room`: pose buffers to use instead of allocating them. */
+/** What many forests with few trees each would otherwise read from a place of its own. */
+const LOCAL_PRESSURE = { px: 0, pz: 0 };
+
+/** Common part of both methods; r modes. */
 export abstract class TreeInstances {
   /** [count, r] displayed pose, interpolated between the last two steps. */
   readonly q: Float32Array;
   /** Position of each tree (m), for the wind. */
   readonly x: Float32Array;
   readonly z: Float32Array;
-  /** [count, r or more] pose after the last step and after the previous one. */
+  /** Numbers of a tree in `states`. */
+  protected readonly width: number;
+  /** Views of `states`: the pose after the last step, which a row holds from here on, and after the previous one. */
   protected readonly now: Numbers;
   protected readonly before: Numbers;
-  private readonly phase: Float64Array;
-  private readonly span: Float32Array;
+  /** [count, 2] table steps that are due of the present step, and its length in table steps. */
+  private readonly clock: Float64Array;
+  /** [count, 3] cosine and sine of the yaw, scale. */
   private readonly turn: Float32Array;
-  protected readonly size: Float32Array;
   /** Where the trees stand; the arrays of the instances, not copies. */
   protected readonly standing: CrownInstances;
   /** The gusts within the crowns in the present frame. */
   protected gusts: PlaceGusts | null = null;
   /** The pressure in the frame of the last tree asked for. */
-  protected readonly localPressure = { px: 0, pz: 0 };
+  protected readonly localPressure = LOCAL_PRESSURE;
 
+  /** `states`: [count, …] all that changes of the trees; each row has two poses from `posesAt` on. */
   constructor(
     readonly count: number,
     protected readonly r: number,
     protected readonly dt: number,
-    room: { now: Numbers; before: Numbers } | null = null,
+    protected readonly states: Numbers = new Float64Array(2 * count * r),
+    posesAt = 0,
   ) {
     this.q = new Float32Array(count * r);
     this.x = new Float32Array(count);
     this.z = new Float32Array(count);
-    this.now = room?.now ?? new Float64Array(count * r);
-    this.before = room?.before ?? new Float64Array(count * r);
-    this.phase = new Float64Array(count);
-    this.span = new Float32Array(count).fill(1);
-    this.turn = new Float32Array(count * 2);
-    for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
-    this.size = new Float32Array(count).fill(1);
-    this.standing = { x: this.x, z: this.z, turn: this.turn, size: this.size };
+    this.width = states.length / count;
+    this.now = states.subarray(posesAt);
+    this.before = this.now.subarray((this.width - posesAt) / 2);
+    this.clock = Float64Array.from({ length: 2 * count }, (_, k) => k % 2);
+    this.turn = Float32Array.from({ length: 3 * count }, (_, k) => (k % 3 === 1 ? 0 : 1));
+    this.standing = { x: this.x, z: this.z, turn: this.turn };
   }
 
   /** Advances tree i by one table step under a pressure (Pa) in its own frame. */
@@ -62,27 +67,30 @@ export abstract class TreeInstances {
   ): void {
     this.x.set(x);
     this.z.set(z);
-    this.size.set(scale);
     for (let i = 0; i < this.count; i++) {
       // Rounded to float32, because the last bit of a cosine differs between platforms.
-      this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
-      this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
+      this.turn[3 * i] = Math.cos(Math.fround(yaw[i]));
+      this.turn[3 * i + 1] = Math.sin(Math.fround(yaw[i]));
+      this.turn[3 * i + 2] = scale[i];
     }
+  }
+
+  /** Scale of a tree. */
+  protected sizeOf(i: number): number {
+    return this.turn[3 * i + 2];
   }
 
   /** Copies the state of tree `row` of another forest of this table to tree i. */
   protected takeOver(i: number, from: TreeInstances, row: number): void {
-    this.phase[i] = from.phase[row];
-    this.span[i] = from.span[row];
-    const width = this.now.length / this.count;
-    this.now.set(from.now.subarray(row * width, (row + 1) * width), i * width);
-    this.before.set(from.before.subarray(row * width, (row + 1) * width), i * width);
+    this.clock.set(from.clock.subarray(2 * row, 2 * row + 2), 2 * i);
+    const { width } = this;
+    this.states.set(from.states.subarray(row * width, (row + 1) * width), i * width);
   }
 
   /** Turns a world pressure into the frame of tree i. */
   protected rotatePressure(i: number, x: number, z: number): void {
-    const c = this.turn[2 * i];
-    const s = this.turn[2 * i + 1];
+    const c = this.turn[3 * i];
+    const s = this.turn[3 * i + 1];
     this.localPressure.px = c * x - s * z;
     this.localPressure.pz = s * x + c * z;
   }
@@ -113,16 +121,17 @@ export abstract class TreeInstances {
    */
   protected advanceBy(i: number, dtS: number, length: number): number {
     const { px, pz } = this.localPressure;
-    let span = this.span[i];
-    let phase = this.phase[i] + dtS / this.dt / this.size[i];
+    const { clock } = this;
+    let span = clock[2 * i + 1];
+    let phase = clock[2 * i] + dtS / this.dt / this.sizeOf(i);
     for (let steps = 0; phase >= span && steps < MAX_STEPS_PER_ADVANCE; steps++) {
       this.step(i, px, pz);
       phase -= span;
       span = length;
     }
     phase -= span * Math.floor(phase / span);
-    this.span[i] = span;
-    this.phase[i] = phase;
+    clock[2 * i + 1] = span;
+    clock[2 * i] = phase;
     return phase / span;
   }
 }

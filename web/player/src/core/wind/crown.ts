@@ -21,8 +21,21 @@ import type { Places } from "./frame";
 import { hash32 } from "./hashing";
 import type { Moment } from "./transition";
 
+/** The fields of the last winds by their seeds: 65 kB each, which all tables of a forest share. */
+const FIELDS = new Map<number, Float64Array>();
+const KEPT_FIELDS = 4;
+
 /** Velocity along and across the wind at the grid points, [cells, cells, 2], unit variance each. */
-function crownField(seed: number): Float64Array<ArrayBuffer> {
+function crownField(seed: number): Float64Array {
+  const known = FIELDS.get(seed);
+  if (known) return known;
+  if (FIELDS.size >= KEPT_FIELDS) FIELDS.clear();
+  const field = madeField(seed);
+  FIELDS.set(seed, field);
+  return field;
+}
+
+function madeField(seed: number): Float64Array<ArrayBuffer> {
   const field = new Float64Array(CROWN_CELLS * CROWN_CELLS * 2);
   for (let k = 0; k < CROWN_WAVES; k++) addWave(field, seed, k);
   for (let side = 0; side < 2; side++) {
@@ -58,32 +71,29 @@ function addWave(field: Float64Array, seed: number, k: number): void {
 export interface CrownInstances {
   readonly x: Places;
   readonly z: Places;
-  /** [count, 2] cosine and sine of the yaw. */
+  /** [count, 3] cosine and sine of the yaw, scale. */
   readonly turn: Places;
-  readonly size: Places;
 }
 
 /** The crown turbulence of a wind at one moment. */
 export class CrownGusts {
-  private field = new Float64Array(0);
+  private field: Float64Array = new Float64Array(0);
   private readonly frame = new Float64Array(8);
-  private seed = Number.NaN;
+  private moment: Moment | null = null;
   private cos = 1;
   private sin = 0;
   private distance_m = 0;
   private intensity = 0;
 
-  /** `exponent`: that of the trees (`dynamicPressure`). */
-  constructor(private readonly exponent: number) {}
-
-  set({ wind, travel, crown }: Moment): void {
+  set(moment: Moment): void {
+    if (moment === this.moment) return;
+    this.moment = moment;
+    const { wind, travel, crown } = moment;
     const heading = (wind.direction_deg * Math.PI) / 180;
     this.cos = Math.cos(heading);
     this.sin = Math.sin(heading);
     this.distance_m = travel * crown.length_scale_m;
     this.intensity = CROWN_INTENSITY * wind.gustiness * crown.weight;
-    if (crown.seed === this.seed) return;
-    this.seed = crown.seed;
     this.field = crownField(crown.seed);
   }
 
@@ -94,17 +104,24 @@ export class CrownGusts {
 
   /**
    * Writes the relative gusts at the places [G, 3] of tree i in a wind of this pressure (Pa): what the pressure there is
-   * in addition to that at the tree, along it and across it, over its strength.
+   * in addition to that at the tree, along it and across it, over its strength. `exponent`: that of the trees (`dynamicPressure`).
    */
-  write(places: Places, trees: CrownInstances, i: number, pressure_pa: number, out: Float64Array): void {
+  write(
+    places: Places,
+    exponent: number,
+    trees: CrownInstances,
+    i: number,
+    pressure_pa: number,
+    out: Float64Array,
+  ): void {
     const { field, intensity } = this;
     if (intensity === 0 || pressure_pa === 0) {
       out.fill(0);
       return;
     }
-    const growth = pressure_pa > STREAMLINING_PRESSURE_PA ? this.exponent : 2;
+    const growth = pressure_pa > STREAMLINING_PRESSURE_PA ? exponent : 2;
     const frame = this.frameOf(trees, i);
-    for (let at = 0, to = 0; to < out.length; at += 3, to += 2) {
+    for (let at = 0, to = 0; at < places.length; at += 3, to += 2) {
       const x = places[at];
       const y = places[at + 1];
       const z = places[at + 2];
@@ -145,12 +162,12 @@ export class CrownGusts {
    * Of tree i: the cell along the wind of its origin and per metre along its x, y and z, then the same across the wind
    * without the slant.
    */
-  private frameOf({ x, z, turn, size }: CrownInstances, i: number): Float64Array {
+  private frameOf({ x, z, turn }: CrownInstances, i: number): Float64Array {
     const { cos, sin, frame } = this;
-    const scale = size[i] / CROWN_CELL_M;
+    const scale = turn[3 * i + 2] / CROWN_CELL_M;
     // three.js rotation.y: x of the tree is (c, -s) in the world, z is (s, c).
-    const c = turn[2 * i];
-    const s = turn[2 * i + 1];
+    const c = turn[3 * i];
+    const s = turn[3 * i + 1];
     frame[0] = (cos * x[i] + sin * z[i] - this.distance_m) / CROWN_CELL_M;
     frame[1] = scale * (cos * c - sin * s);
     frame[2] = scale * CROWN_LEAN_ALONG;

@@ -12,7 +12,7 @@ import { TreeInstances } from "../../core/motion/treeInstances";
 import type { Table } from "../../core/table/table";
 import { DRIVE_FLOATS, type ModalSizes, modalCode } from "./modalWgsl";
 
-const NO_POSES = new Float32Array(0);
+const NO_STATES = new Float32Array(0);
 
 /** Most bytes of a buffer that shaders use. */
 const mostBytes = ({ backend }: Renderer): number =>
@@ -38,7 +38,7 @@ export class ComputedTrees extends TreeInstances {
     { modal, metadata }: Table,
     count: number,
   ) {
-    super(count, metadata.modes, metadata.dt_s, { now: NO_POSES, before: NO_POSES });
+    super(count, metadata.modes, metadata.dt_s, NO_STATES);
     const { sizes, model, step, includes } = modalCode(modal, metadata.modes, metadata.dt_s);
     this.sizes = sizes;
     const fitting = Math.floor(mostBytes(renderer) / (4 * sizes.state));

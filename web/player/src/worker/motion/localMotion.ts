@@ -4,7 +4,8 @@ import { CoarseForest } from "../../core/modal/coarseForest";
 import { ModalForest } from "../../core/modal/modalForest";
 import { PlaceGusts } from "../../core/modal/placeGusts";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
-import { type Changed, LeveledTrees, middleOf_s } from "../../core/motion/leveledTrees";
+import { JointWind } from "../../core/motion/jointWind";
+import { type Changed, LeveledTrees, middleOf_s, NO_TREES } from "../../core/motion/leveledTrees";
 import { LeveledWind } from "../../core/motion/leveledWind";
 import type { Method } from "../../core/motion/method";
 import { PaperForest } from "../../core/motion/paperSearch";
@@ -76,6 +77,7 @@ function treesOf(
 export class LocalMotion implements MotionSource {
   readonly connection: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
   private readonly groups: Moving[];
+  private readonly wind: JointWind;
   private wind_ms = 0;
   private watched: TreeAt | null = null;
   private kept = "";
@@ -93,16 +95,16 @@ export class LocalMotion implements MotionSource {
   ) {
     this.hands = new HeldTrees(this, responses);
     this.groups = groups.map((group) => ({ group, trees: treesOf(group, method, poseEasing) }));
+    this.wind = new JointWind(this.groups.map(({ trees }) => trees.wind));
   }
 
   /** Starts the trees of the modal method where and as fast as they are displayed; `adopt` has precedence. */
   startAt(starts: readonly (StartOfGroup | null)[]): void {
-    const moment = this.field.at(this.time_s);
+    this.wind.update(this.field, this.field.at(this.time_s));
     for (const [g, { trees }] of this.groups.entries()) {
       const { lookup, wind, modes } = trees;
       const start = starts[g];
       if (!start || !(lookup instanceof ModalForest)) continue;
-      wind.update(this.field, moment);
       const stride = poseStride(modes);
       for (let tree = 0; tree < lookup.count; tree++) {
         if (start.known[tree] === 0) continue;
@@ -223,17 +225,16 @@ export class LocalMotion implements MotionSource {
     return true;
   }
 
-  private get leveled(): LeveledTrees[] {
-    return this.groups.flatMap(({ trees }) => (trees instanceof LeveledTrees ? [trees] : []));
-  }
-
   /** Steps distant trees, level by level, because the wind of a level is that of one moment for all groups. */
   private stepFar(begin_s: number, out: readonly Float32Array[]): void {
-    const { field, pace, groups } = this;
+    const { field, pace, groups, wind } = this;
     for (let level = 0; level < FAR_LEVELS.length; level++) {
       const begin_ms = performance.now();
       const moment = field.at(begin_s + middleOf_s(level, pace));
-      for (const trees of this.leveled) trees.updateFarWind(level, field, moment);
+      const turns = groups.map(({ trees }) =>
+        trees instanceof LeveledTrees ? trees.turnsOf(level) : NO_TREES,
+      );
+      wind.update(field, moment, turns);
       this.wind_ms += performance.now() - begin_ms;
       const usual_s = pace.periodOf(level) * pace.frame_s;
       for (const [g, { trees }] of groups.entries())
@@ -256,7 +257,8 @@ export class LocalMotion implements MotionSource {
     this.time_s += dt_s;
     const begin_ms = performance.now();
     const moment = this.field.at(this.time_s);
-    for (const { trees } of this.groups) trees.updateWind(this.field, moment);
+    const stepped = this.groups.map(({ trees }) => trees.stepped);
+    this.wind.update(this.field, moment, stepped);
     this.wind_ms += performance.now() - begin_ms;
     for (const { trees } of this.groups) trees.step(dt_s, moment);
   }

@@ -1,6 +1,7 @@
 /** Poses streamed by the server, displayed with a short delay; the connection is restored automatically. */
 
 import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
+import { JointWind } from "../../core/motion/jointWind";
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
 import type { WindDocument } from "../../core/wind/document";
@@ -54,6 +55,7 @@ export class StreamMotion implements MotionSource {
   private readonly sum: PoseSum;
   private readonly timeline: PoseTimeline;
   private readonly winds: GroupWind[];
+  private readonly joint: JointWind;
   private paused = false;
   private hidden = false;
   private readonly sender: PullSender;
@@ -75,6 +77,7 @@ export class StreamMotion implements MotionSource {
       ({ placement, height_m, sampledPeak_pa, streamlined }) =>
         new GroupWind(placement, height_m, sampledPeak_pa, streamlined),
     );
+    this.joint = new JointWind(this.winds);
     this.socket = new ForestSocket(options.url, {
       request: () => this.forestRequest(),
       opened: () => {
@@ -212,10 +215,8 @@ export class StreamMotion implements MotionSource {
     this.pulled = this.pulls.at(shown_s);
     const begin_ms = performance.now();
     const moment = this.field.at(shown_s);
-    for (const [g, wind] of this.winds.entries()) {
-      wind.update(this.field, moment);
-      wind.writeSpeeds(out[g], this.groups[g].scale.length);
-    }
+    this.joint.update(this.field, moment);
+    for (const [g, wind] of this.winds.entries()) wind.writeSpeeds(out[g], this.groups[g].scale.length);
     this.wind_ms += performance.now() - begin_ms;
     return true;
   }

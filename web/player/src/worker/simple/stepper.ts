@@ -2,6 +2,7 @@
 
 import { GivenWind } from "../../core/forest/givenWind";
 import { advance, movedTo, type Trees, treesOf } from "../../core/forest/trees";
+import { JointWind } from "../../core/motion/jointWind";
 import { drawnMotion } from "../../core/table/drawnMotion";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import { decodeWithoutRecords, type Table } from "../../core/table/table";
@@ -19,8 +20,10 @@ export class Stepper {
   private readonly tables = new Map<number, Table>();
   private readonly groups = new Map<number, Group>();
   private field: WindField | null = null;
-  /** Velocities at the trees of a group, by the array of their x. */
-  private readonly velocities = new Map<unknown, Floats>();
+  /** The wind at the trees of all groups; null if these have changed. */
+  private joint: JointWind | null = null;
+  /** Given velocities at the trees of a group. */
+  private readonly velocities = new Map<number, Floats>();
 
   read(table: number, bytes: ArrayBuffer): DrawnMotion {
     const decoded = decodeWithoutRecords(bytes);
@@ -34,24 +37,29 @@ export class Stepper {
     const before = this.groups.get(group)?.trees;
     const trees = before ? movedTo(before, decoded, placement) : treesOf(decoded, placement);
     this.groups.set(group, { table: decoded, trees });
+    this.joint = null;
   }
 
   remove(group: number): void {
     this.groups.delete(group);
+    this.joint = null;
   }
 
   /** null: velocities come with every frame. */
   setWind(wind: WindDocument | null): void {
-    if (wind === null) this.field = new GivenWind((x, _z, _time_s, outX, outZ) => this.take(x, outX, outZ));
+    if (wind === null) this.field = new GivenWind((_x, _z, _time_s, outX, outZ) => this.take(outX, outZ));
     else if (this.field && !(this.field instanceof GivenWind)) this.field.change(wind, this.time_s);
     else this.field = new WindField(wind);
   }
 
-  private take(x: unknown, outX: { [index: number]: number; length: number }, outZ: typeof outX): void {
-    const velocity = this.velocities.get(x);
-    for (let i = 0; i < outX.length; i++) {
-      outX[i] = velocity ? velocity[2 * i] : 0;
-      outZ[i] = velocity ? velocity[2 * i + 1] : 0;
+  private take(outX: { [index: number]: number }, outZ: typeof outX): void {
+    let at = 0;
+    for (const [group, { trees }] of this.groups) {
+      const velocity = this.velocities.get(group);
+      for (let i = 0; i < trees.wind.count; i++, at++) {
+        outX[at] = velocity ? velocity[2 * i] : 0;
+        outZ[at] = velocity ? velocity[2 * i + 1] : 0;
+      }
     }
   }
 
@@ -61,10 +69,11 @@ export class Stepper {
     for (const { group, velocity } of frames) {
       const trees = this.groups.get(group)?.trees;
       trees?.see(x, z);
-      if (trees && velocity) this.velocities.set(trees.wind.x, velocity);
+      if (trees && velocity) this.velocities.set(group, velocity);
     }
     const all = Array.from(this.groups.values(), (group) => group.trees);
-    this.time_s = advance(all, this.field, this.time_s, dt_s);
+    this.joint ??= new JointWind(all.map(({ wind }) => wind));
+    this.time_s = advance(all, this.joint, this.field, this.time_s, dt_s);
     for (const { group, poses } of frames) this.groups.get(group)?.trees.write(poses);
   }
 }
