@@ -396,6 +396,10 @@ MODAL_REACH = 1.25
 """The arguments of the polynomials are clamped to this multiple of the sampled range. The force stays
 bounded, and as the linear step contracts, any bounded wind gives a bounded motion.
 """
+MOST_TERM_SUMS = 4
+"""Most sums that take the place of the terms of a force, if these drive the oscillators in so few ways."""
+TERM_SUM_ROUNDING = 2.384185791015625e-7
+"""What the sums leave of a term's numbers, over the largest of them, when it is their rounding."""
 MODAL_REST = 1e-7
 """In still air a motion below this share of the sampled range is set to exactly zero."""
 FEWEST_DRAG_INPUTS = 8

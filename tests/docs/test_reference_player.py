@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from galewood.motion.wind import Wind, WindField, parse_wind
-from galewood.player import WindDrivenTrees
+from galewood.player import WindDrivenForest, WindDrivenTrees
 from galewood.table import Table, decode
 from galewood.util import Floats
 from galewood_server.stream.forest import GroupStepper
@@ -275,6 +275,7 @@ def test_built_in_trees_move_as_those_that_the_server_streams(name: str) -> None
     table, wind = decode(path.read_bytes()), random_winds()[2]
     rows = np.array([[-11.5, 4.0, 0.5, 0.75], [18.0, 120.5, 3.0, 1.5]], np.float32)
     stepper, field = GroupStepper(table, rows, None, "modal"), WindField(wind)
+    forest = WindDrivenForest([stepper.trees])
     count, modes, quantum = stepper.shape
     unit_m, sent = quantum * table.mode_scale.astype(np.float64), np.zeros((count, modes), np.int32)
     velocity, basis = winds.spectral(wind.document()), table.node_basis.astype(np.float64)
@@ -285,7 +286,7 @@ def test_built_in_trees_move_as_those_that_the_server_streams(name: str) -> None
     bound_mm = 1e3 * np.linalg.norm(np.abs(0.5 * unit_m * basis).sum(2), axis=1).max()
     worst_mm = 0.0
     for frame in range(1, 121):
-        stepper.step(field, frame * FRAME_S, FRAME_S)
+        forest.step(field, frame * FRAME_S, FRAME_S)
         stepper.write_poses(sent)
         q = [next(one) for one in played]
         worst_mm = max(worst_mm, millimetres(basis, q, sent * unit_m))

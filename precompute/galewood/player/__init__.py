@@ -7,6 +7,7 @@ from galewood.player.pulling import DragConstraint, PointResponse, PullError, po
 from galewood.player.recording import record_points
 from galewood.player.sway import grid_placements, play
 from galewood.player.wind_driven import WindDrivenTrees
+from galewood.player.wind_driven_forest import WindDrivenForest
 
 __all__ = [
     "PERIOD_START_S",
@@ -15,6 +16,7 @@ __all__ = [
     "PaperForest",
     "PointResponse",
     "PullError",
+    "WindDrivenForest",
     "WindDrivenTrees",
     "gaussian",
     "grid_placements",

@@ -9,6 +9,9 @@ import numpy.typing as npt
 
 from galewood.util import Array, Floats
 
+TREE_ARRAYS = ("_now", "_before", "_phase", "_rate", "_size", "_turn", "x_m", "z_m", "q")
+"""Attributes of ``TreeInstances`` with a row for each tree."""
+
 
 @dataclass(frozen=True)
 class Standing:

@@ -9,12 +9,17 @@ compiler can use the full SIMD width.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import numpy.typing as npt
 
 from galewood.motion.modal import ModalTensors, advance_trees, float64_tensors, working_room
-from galewood.player.instances import TreeInstances
-from galewood.util import Floats, Singles
+from galewood.player.instances import TREE_ARRAYS, TreeInstances
+from galewood.util import Array, Floats, Singles
+
+MODAL_ARRAYS = (*TREE_ARRAYS, "_e", "_v", "_turned", "extrapolation_ratio")
+"""Attributes of ``ModalForest`` with a row for each tree."""
 
 
 class ModalForest(TreeInstances):
@@ -23,13 +28,18 @@ class ModalForest(TreeInstances):
     def __init__(self, modal: ModalTensors, dt_s: float, mode_scale: Singles, count: int) -> None:
         """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q."""
         super().__init__(count, mode_scale, dt_s)
-        self._tensors, self._batch = float64_tensors(modal), working_room(modal, count)
+        self.modal, self.dt_s, self._count = modal, dt_s, count
         d = len(modal.step)
         self._shown = modal.shown.astype(np.float64)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))
         self._turned, self._no_gusts = np.zeros((count, 2)), np.zeros((count, 0))
         self.extrapolation_ratio = np.zeros(count, np.float32)
         """(count,) sway or pressure over the largest sampled value; above 1 the motion is extrapolated."""
+
+    @cached_property
+    def _prepared(self) -> tuple[tuple[Floats | float, ...], tuple[Array, ...]]:
+        """Tensors and work arrays of a step; trees that are stepped with those of other tables need none."""
+        return float64_tensors(self.modal), working_room(self.modal, self._count)
 
     def advance(
         self,
@@ -45,8 +55,9 @@ class ModalForest(TreeInstances):
         """
         wind = (*self._begin(dt_s, pressure_x, pressure_z), self._no_gusts if gusts is None else gusts)
         state = (self._e, self._v, self._turned, self._now, self._before, self.extrapolation_ratio)
+        tensors, batch = self._prepared
         advance_trees(
-            self._tensors, self._dt_s / 2, self._batch, self._rate, self._turn, wind, self._phase, state,
+            tensors, self._dt_s / 2, batch, self._rate, self._turn, wind, self._phase, state,
             self.q,
         )  # fmt: skip
 

@@ -8,7 +8,7 @@ steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,11 +34,13 @@ def record_points(
     rows: Sequence[Floats],
     field: WindField,
     time_s: Floats,
+    step: Callable[[WindField, float, float], None],
 ) -> list[GroupTracks]:
     """Step groups of trees from time_s[0] to time_s[-1] and return the motion of a point at these times.
 
-    ``rows`` (3, r) of each group give the displacement of its point per modal coordinate. The motion is as it
-    is shown, a step of the table behind the wind.
+    ``step`` advances all of them (``WindDrivenForest.step``). ``rows`` (3, r) of each group give the
+    displacement of its point per modal coordinate. The motion is as it is shown, a step of the table behind
+    the wind.
     """
     first_s, span_s = float(time_s[0]), float(time_s[-1] - time_s[0])
     shortest_s = min(float(one.period_s.min()) for one in groups)
@@ -47,8 +49,8 @@ def record_points(
     frame_s = np.linspace(first_s + dt_s, first_s + span_s, frames)
     recorders = [_Recorder(*one, first_s) for one in zip(groups, rows, strict=True)]
     for now_s in frame_s.tolist():
-        for trees, recorder in zip(groups, recorders, strict=True):
-            trees.step(field, now_s, dt_s)
+        step(field, now_s, dt_s)
+        for recorder in recorders:
             recorder.take(field, now_s, dt_s)
     return [GroupTracks(one.moved(time_s), one.blown(time_s, frame_s)) for one in recorders]
 

@@ -36,66 +36,71 @@ class WindDrivenTrees:
         """Create trees at rest; ``trees`` (n, 4): x, z (m), yaw (rad), scale."""
         rows = np.asarray(trees, np.float32).reshape(-1, 4)
         count = len(rows)
-        self._forest = forest_of(table, count, method, pose_easing)
-        self._forest.set_trees(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
-        self._gusts = PlaceGusts(table.modal_place, table.streamlined_exponent, count)
+        self.forest = forest_of(table, count, method, pose_easing)
+        self.forest.set_trees(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
+        self.gusts = PlaceGusts(table.modal_place, table.streamlined_exponent, count)
         height_m = float(table.metadata["height_m"]) * rows[:, 3].astype(np.float64)
-        modal = isinstance(self._forest, ModalForest)
+        modal = isinstance(self.forest, ModalForest)
         most_pa = float(table.modal_limits[2]) if modal else table.peak_pressure_pa
-        self._pressure = TreePressure(
+        self._most_pa = most_pa
+        self.pressure = TreePressure(
             rows[:, 0], rows[:, 1], height_m, most_pa, table.streamlined_exponent, limited=not modal
         )
 
     @property
     def most_pa(self) -> float:
         """Strongest pressure of the table, Pa: stronger winds are compressed, or clamped (paper)."""
-        return self._pressure.most_pa
+        return self._most_pa
 
     @property
     def q(self) -> Singles:
         """(n, r) modal coordinates q of the poses, m; the next step overwrites them."""
-        return self._forest.q
+        return self.forest.q
 
     @property
     def steps(self) -> tuple[Floats, Floats, Floats]:
         """Poses (n, r) before and after the last step of each tree, and the share (n,) that is shown."""
-        return self._forest.steps
+        return self.forest.steps
 
     @property
     def period_s(self) -> Floats:
         """(n,) time of a step of each tree, s."""
-        return self._forest.period_s
+        return self.forest.period_s
 
     @property
     def pressure_pa(self) -> Floats:
         """(n, 2) pressure on each tree along world x and z, in the last step."""
-        return np.column_stack([self._pressure.x_pa, self._pressure.z_pa])
+        return np.column_stack([self.pressure.x_pa, self.pressure.z_pa])
 
     def wind_m_s(self, field: WindField, time_s: float) -> Floats:
         """(n, 2) velocity of the wind at the top of each tree along world x and z."""
-        return self._pressure.wind_m_s(field, time_s)
+        return self.pressure.wind_m_s(field, time_s)
 
     @property
     def extrapolation_ratio(self) -> Singles:
         """(n,) sway or pressure over the largest sampled value; always 1 for the paper's state search."""
-        forest = self._forest
+        forest = self.forest
         if not isinstance(forest, ModalForest):
-            return np.ones(len(self._pressure.ratio), np.float32)
-        return np.maximum(forest.extrapolation_ratio, self._pressure.ratio).astype(np.float32)
+            return np.ones(len(self.pressure.ratio), np.float32)
+        return np.maximum(forest.extrapolation_ratio, self.pressure.ratio).astype(np.float32)
 
     def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> bool:
         """Add to the oscillators of a tree (``ModalForest.displace``); False: the paper's trees have none."""
-        if not isinstance(self._forest, ModalForest):
+        if not isinstance(self.forest, ModalForest):
             return False
-        self._forest.displace(tree, e, v)
+        self.forest.displace(tree, e, v)
         return True
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
         """Advance by dt_s seconds in the wind at time_s, the end of the step."""
-        self._pressure.advance(field, time_s)
-        pressure_pa = (self._pressure.x_pa, self._pressure.z_pa)
-        if isinstance(self._forest, ModalForest):
-            gusts = self._gusts.at(field, time_s, self._forest.standing, *pressure_pa)
-            self._forest.advance(dt_s, *pressure_pa, gusts)
+        self.pressure.advance(field, time_s)
+        self.advance(field, time_s, dt_s)
+
+    def advance(self, field: WindField, time_s: float, dt_s: float) -> None:
+        """Advance by dt_s seconds under the pressure that was evaluated last, which is that at time_s."""
+        pressure_pa = (self.pressure.x_pa, self.pressure.z_pa)
+        if isinstance(self.forest, ModalForest):
+            gusts = self.gusts.at(field, time_s, self.forest.standing, *pressure_pa)
+            self.forest.advance(dt_s, *pressure_pa, gusts)
         else:
-            self._forest.advance(dt_s, *pressure_pa)
+            self.forest.advance(dt_s, *pressure_pa)

@@ -1,6 +1,6 @@
 """Utilities shared by all stages: array types, errors, atomic files, worker processes."""
 
-from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
+from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles, joined_array
 from galewood.util.atomic_file import write_arrays, write_atomically
 from galewood.util.cancelled import Cancelled
 from galewood.util.delimited import HEADER_WITHIN, Row, decoded, number_of, rows_of
@@ -49,6 +49,7 @@ __all__ = [
     "cpu_seconds",
     "decoded",
     "glb_parts",
+    "joined_array",
     "kernels_compiled",
     "number_of",
     "packed_glb",

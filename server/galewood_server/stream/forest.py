@@ -9,7 +9,7 @@ import numpy as np
 from galewood.constants import TICK_HZ
 from galewood.motion.wind import Wind, WindField, WindState, change_wind, with_front
 from galewood.options import Method
-from galewood.player import WindDrivenTrees
+from galewood.player import WindDrivenForest, WindDrivenTrees
 from galewood.table import Compliance, Table
 from galewood.util import Floats, Singles
 
@@ -100,26 +100,27 @@ class GroupStepper:
     ) -> None:
         """trees (n, 4): x (m), z (m), yaw (rad), scale."""
         self._made_of = (table, trees[:WARM_UP_TREES], pose_easing, method)
-        self._trees = WindDrivenTrees(table, trees, method, pose_easing)
+        self.trees = WindDrivenTrees(table, trees, method, pose_easing)
         self.pulls = GroupPulls(table, trees, compliance)
         quantum = stream_quantum(table)
         self._unit = quantum * table.mode_scale.astype(np.float64)
         self.shape: Shape = (len(trees), len(table.mode_scale), quantum)
 
-    def step(self, field: WindField, time_s: float, dt_s: float, pulls: Sequence[Pull] = ()) -> None:
-        """Advance all trees by dt_s to time_s under the wind at time_s, and those pulled by their hands."""
-        self._trees.step(field, time_s, dt_s)
-        self.pulls.step(self._trees, pulls, dt_s)
+    def pull(self, pulls: Sequence[Pull], dt_s: float) -> None:
+        """Move the trees that are pulled by their hands; call after all trees have been advanced by dt_s."""
+        self.pulls.step(self.trees, pulls, dt_s)
 
     def warm_up(self) -> None:
         """Step a few trees of this kind, so that everything is compiled before the first tick."""
-        few = GroupStepper(*self._made_of)
-        few.step(WindField(Wind()), 1.0, 1 / TICK_HZ)
+        few, field = GroupStepper(*self._made_of), WindField(Wind())
+        few.trees.step(field, 1.0, 1 / TICK_HZ)
+        WindDrivenForest([few.trees]).step(field, 2.0, 1 / TICK_HZ)
+        few.pull((), 1 / TICK_HZ)
         few.write_poses(np.zeros(few.shape[:2], np.int32))
 
     def write_poses(self, out: Poses) -> None:
         """Write the poses (n, r) in units of quantum × modes.scale."""
-        quantise(self._trees.q, self._unit, out)
+        quantise(self.trees.q, self._unit, out)
 
 
 class ForestStepper:
@@ -143,6 +144,7 @@ class ForestStepper:
             for table, part, compliance in zip(tables, parts, given, strict=True)
         ]
 
+        self._forest = WindDrivenForest([group.trees for group in self._groups])
         for group in self._groups:
             group.warm_up()
 
@@ -153,8 +155,9 @@ class ForestStepper:
 
     def step(self, pulls: Sequence[Pull] = ()) -> None:
         """Advance by one tick under the wind at its end, like the browser."""
+        self._forest.step(self.clock.field, self.clock.time_s, 1 / TICK_HZ)
         for group in self._groups:
-            group.step(self.clock.field, self.clock.time_s, 1 / TICK_HZ, pulls)
+            group.pull(pulls, 1 / TICK_HZ)
 
     def pullings(self, pulls: Sequence[Pull]) -> tuple[Pulling, ...]:
         """The pulls and the forces that they exerted in the last step."""

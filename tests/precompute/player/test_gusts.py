@@ -236,7 +236,7 @@ def test_pressure_beyond_the_range_grows_with_the_wind() -> None:
     found = np.array([compressed(ratio) for ratio in ratios])
     assert np.array_equal(found[ratios <= 1], ratios[ratios <= 1]) and (np.diff(found) > 0).all()
     x, z, felt = np.array([6.0, 30.0, 60.0]), np.array([8.0, 40.0, 80.0]), np.zeros(3)
-    compress_pressure(x, z, np.array([20.0, 50.0, 50.0]), 25.0, felt)
+    compress_pressure(x, z, np.array([20.0, 50.0, 50.0]), np.full(3, 25.0), felt)
     assert np.allclose(felt, [0.4, 2.0, 4.0])
     expected = [10.0, 25.0 * compressed(2.0), 25.0 * compressed(2.0) * compressed(2.0)]
     assert np.allclose(np.hypot(x, z), expected) and np.allclose(z / x, 4 / 3)

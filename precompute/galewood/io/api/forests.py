@@ -16,7 +16,7 @@ from galewood.io.api.expected import expect
 from galewood.io.api.tables import MotionTable
 from galewood.motion.wind import Wind, WindField
 from galewood.options import METHOD_NAMES, Method
-from galewood.player import WindDrivenTrees, grid_placements, record_points
+from galewood.player import WindDrivenForest, WindDrivenTrees, grid_placements, record_points
 from galewood.solid.skinning import drawn_positions, joint_rows
 from galewood.util import Floats, Ints
 
@@ -122,6 +122,7 @@ class Forest:
             WindDrivenTrees(one.table, rows[members], method)
             for one, members in zip(self.tables, self._members, strict=True)
         ]
+        self._together = WindDrivenForest(self._groups)
         self._place = np.zeros(len(placements), np.int64)
         for members in self._members:
             self._place[members] = np.arange(len(members))
@@ -141,8 +142,7 @@ class Forest:
         if not (isinstance(dt_s, Real) and 0.0 < float(dt_s) < math.inf):
             raise ValueError(f"dt_s must be a time above 0 s, not {dt_s!r:.40}")
         self.time_s += dt_s
-        for group in self._groups:
-            group.step(self._field, self.time_s, dt_s)
+        self._together.step(self._field, self.time_s, dt_s)
 
     def record(self, duration_s: float, *, rate_hz: float = 30.0, vertex: int | None = None) -> PointMotion:
         """Advance all trees and return the motion of a point of each as arrays.
@@ -168,7 +168,9 @@ class Forest:
             raise ValueError("the forest has no trees")
         rows = [_point_rows(self.tables[k], vertex) for k in used]
         time_s = self.time_s + np.arange(math.floor(duration_s * rate_hz + 1e-9) + 1) / rate_hz
-        tracks = record_points([self._groups[k] for k in used], rows, self._field, time_s)
+        tracks = record_points(
+            [self._groups[k] for k in used], rows, self._field, time_s, self._together.step
+        )
         self.time_s = float(time_s[-1])
         count = len(self.placements)
         moved, blown = np.zeros((3, len(time_s), count, 3)), np.zeros((2, len(time_s), count, 2))

@@ -22,7 +22,9 @@ from galewood.constants import (
     STREAMLINING_PRESSURE_PA,
     STREAMLINING_SPEED_M_S,
 )
+from galewood.motion.modal.lanes import add_product, of_lane, write_product
 from galewood.motion.wind import pressure_per_speed, speed_of_pressure
+from galewood.util import Array, Floats
 
 TINY_PA = 1e-30
 """Keeps the direction of no wind finite."""
@@ -33,23 +35,24 @@ def add_drag(point, inputs, outputs, rest, exponent, v, air, room, total):  # pr
     """Add the drag at the velocities v (d, lanes) to total (d, lanes).
 
     ``air`` (2m, lanes) is the pressure of the wind at the points, Pa: along x at all of them, then along z.
-    point (m, 2): area, m², and share s; inputs (3m, k) and outputs (d, 3m): Ψ, rows x of all points, then y,
-    z; rest (d,) m²/kg; exponent: the streamlined one of the tree; room (3m + 2, lanes).
+    point (m, 3): area, m², share s, and share of the whole area; inputs (3m, k) and outputs (d, 3m): Ψ, rows
+    x of all points, then y, z; rest (d,) m²/kg; exponent: the streamlined one of the tree; room
+    (3m + 2, lanes). These tensors may have lanes, too.
     """
     count = len(point)
     moved = room[: 3 * count]
-    np.dot(inputs, v[: inputs.shape[1]], moved)
+    write_product(inputs, v[: inputs.shape[1]], moved)
     mean, spare = room[3 * count], room[3 * count + 1]
     mean[:] = 0.0
-    share_of = point[:, 0] / point[:, 0].sum()
     for j in range(count):
         x, y, z = moved[j], moved[count + j], moved[2 * count + j]
-        own = (point[j, 0], point[j, 1], share_of[j], exponent)
+        own = (point[j, 0], point[j, 1], point[j, 2], exponent)
         _write_point_force(own, air[j], air[count + j], x, y, z, mean, spare)
     for k in range(len(total)):
+        own_rest = rest[k]
         for lane in range(len(mean)):
-            total[k, lane] -= ISOTROPIC_DRAG * rest[k] * mean[lane] * v[k, lane]
-    total += np.dot(outputs, moved)
+            total[k, lane] -= ISOTROPIC_DRAG * of_lane(own_rest, lane) * mean[lane] * v[k, lane]
+    add_product(outputs, moved, total)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -60,17 +63,19 @@ def _write_point_force(point, air_x, air_z, x, y, z, mean, spare):  # pragma: no
     Both laws are quadratic in weak wind. Without branches the compiler uses the SIMD lanes, so lanes of
     strong wind are counted first and corrected afterwards.
     """
-    area, share, share_of, exponent = point
+    areas, shares, shares_of, exponents = point
     strong = 0
     for lane in range(len(mean)):
         wind_pa = np.sqrt(air_x[lane] * air_x[lane] + air_z[lane] * air_z[lane])
+        share = of_lane(shares, lane)
         spare[lane] = np.sqrt(share / (HALF_AIR_DENSITY_KG_M3 * max(wind_pa, TINY_PA)))
         strong += share * wind_pa > STREAMLINING_PRESSURE_PA
     if strong:
         for lane in range(len(mean)):
             wind_pa = np.sqrt(air_x[lane] * air_x[lane] + air_z[lane] * air_z[lane])
+            share = of_lane(shares, lane)
             if share * wind_pa > STREAMLINING_PRESSURE_PA:
-                spare[lane] = speed_of_pressure(share * wind_pa, exponent) / wind_pa
+                spare[lane] = speed_of_pressure(share * wind_pa, of_lane(exponents, lane)) / wind_pa
     strong = 0
     for lane in range(len(mean)):
         x[lane] = spare[lane] * air_x[lane] - x[lane]
@@ -81,9 +86,11 @@ def _write_point_force(point, air_x, air_z, x, y, z, mean, spare):  # pragma: no
         spare[lane] = HALF_AIR_DENSITY_KG_M3 * speed
     if strong:
         for lane in range(len(mean)):
-            spare[lane] = pressure_per_speed(spare[lane] / HALF_AIR_DENSITY_KG_M3, exponent)[0]
+            speed = spare[lane] / HALF_AIR_DENSITY_KG_M3
+            spare[lane] = pressure_per_speed(speed, of_lane(exponents, lane))[0]
     for lane in range(len(mean)):
-        mean[lane] += share_of * spare[lane]
+        area, share = of_lane(areas, lane), of_lane(shares, lane)
+        mean[lane] += of_lane(shares_of, lane) * spare[lane]
         x[lane] = area * (spare[lane] * x[lane] - share * air_x[lane])
         y[lane] = area * spare[lane] * y[lane]
         z[lane] = area * (spare[lane] * z[lane] - share * air_z[lane])
@@ -95,9 +102,15 @@ def drag_inputs(oscillators: int) -> int:
 
 
 def drag_tensors(drag_point, drag_shape, drag_rest, exponent):
-    """The tensors (m, 2), (3, m, d), (d,) in float64, and the exponent, as ``add_drag`` uses them."""
+    """The tensors of the drag in float64, and the exponent, as ``add_drag`` uses them."""
     _, count, d = drag_shape.shape
     rows = np.asarray(drag_shape, np.float64).reshape(3 * count, d)
     inputs = np.ascontiguousarray(rows[:, : drag_inputs(d)])
-    point, rest = (np.ascontiguousarray(tensor, np.float64) for tensor in (drag_point, drag_rest))
-    return point, inputs, np.ascontiguousarray(rows.T), rest, float(exponent)
+    rest = np.ascontiguousarray(drag_rest, np.float64)
+    return with_shares(drag_point), inputs, np.ascontiguousarray(rows.T), rest, float(exponent)
+
+
+def with_shares(drag_point: Array) -> Floats:
+    """(m, 3) area, m², and share of the wind of drag points (m, 2), and their shares in the whole area."""
+    point = np.asarray(drag_point, np.float64)
+    return np.column_stack([point, point[:, 0] / max(float(point[:, 0].sum()), 1e-30)])

@@ -33,7 +33,7 @@ def add_terms_gradient(
     write_sway(sway, v, free[1])
     pairs[:2], pairs[2] = free, pressure
     for i in range(3):
-        hold(pairs[i], MODAL_REACH * limits[i])
+        hold(pairs[i], limits[i])
     by_ahead = np.zeros((d, lanes))
     _add_sway_gradient(pairs, by_terms, 7 + 2 * coupled_of(limits), by_pairs)
     _add_coupled_gradient(pairs, ahead, v, limits, by_terms, by_pairs, by_ahead, by_v)

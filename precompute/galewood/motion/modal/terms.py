@@ -1,6 +1,7 @@
 """Polynomial terms of the modal model's force and pose.
 
-The last axis of every array runs over the trees of a batch, or over the frames of a run.
+The last axis of every array runs over the trees of a batch, or over the frames of a run. ``sway`` and
+``limits`` are those of one table, or have that axis, too (``lanes``).
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -11,6 +12,7 @@ import numba
 import numpy as np
 
 from galewood.constants import MODAL_REACH
+from galewood.motion.modal.lanes import of_lane
 from galewood.motion.modal.tensors import coupled_of
 
 
@@ -23,8 +25,9 @@ def write_shape(pair, e, limits, out):  # pragma: no cover  (compiled)
         out[0, lane], out[1, lane], out[2, lane] = xx, xy, yy
         out[3, lane], out[4, lane], out[5, lane], out[6, lane] = xx * x, xx * y, x * yy, yy * y
     for j in range(coupled_of(limits)):
-        far = MODAL_REACH * limits[3 + j]
+        largest = limits[3 + j]
         for lane in range(pair.shape[1]):
+            far = MODAL_REACH * of_lane(largest, lane)
             z = min(max(e[2 + j, lane], -far), far)
             out[7 + 2 * j, lane] = z * pair[0, lane]
             out[8 + 2 * j, lane] = z * pair[1, lane]
@@ -64,8 +67,9 @@ def write_coupled(pair, pressure, e, v, limits, out, at):  # pragma: no cover  (
     """
     count = coupled_of(limits)
     for j in range(count):
-        far, fast = MODAL_REACH * limits[3 + j], MODAL_REACH * limits[3 + count + j]
+        largest, fastest = limits[3 + j], limits[3 + count + j]
         for lane in range(pair.shape[1]):
+            far, fast = MODAL_REACH * of_lane(largest, lane), MODAL_REACH * of_lane(fastest, lane)
             z = min(max(e[2 + j, lane], -far), far)
             w = min(max(v[2 + j, lane], -fast), fast)
             out[at + 4 * j, lane] = w * pair[0, lane]
@@ -75,9 +79,10 @@ def write_coupled(pair, pressure, e, v, limits, out, at):  # pragma: no cover  (
 
 
 @numba.njit(cache=True, nogil=True)
-def hold(pair, far):  # pragma: no cover  (compiled)
-    """Shorten every (x, y) to length ``far`` where it is longer."""
+def hold(pair, limit):  # pragma: no cover  (compiled)
+    """Shorten every (x, y) to ``MODAL_REACH`` times the limit where it is longer."""
     for lane in range(pair.shape[1]):
+        far = MODAL_REACH * of_lane(limit, lane)
         size = np.sqrt(pair[0, lane] * pair[0, lane] + pair[1, lane] * pair[1, lane])
         back = far / size if size > far else 1.0
         pair[0, lane] *= back
@@ -89,9 +94,10 @@ def write_sway(sway, values, out):  # pragma: no cover  (compiled)
     """Sway coordinates (2, lanes) of values (d, lanes)."""
     out[:] = 0.0
     for k in range(len(values)):
+        x, y = sway[0, k], sway[1, k]
         for lane in range(values.shape[1]):
-            out[0, lane] += sway[0, k] * values[k, lane]
-            out[1, lane] += sway[1, k] * values[k, lane]
+            out[0, lane] += of_lane(x, lane) * values[k, lane]
+            out[1, lane] += of_lane(y, lane) * values[k, lane]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -109,7 +115,7 @@ def write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, out): 
     write_sway(sway, v, pairs[1])
     pairs[2] = pressure
     for i in range(3):
-        hold(pairs[i], MODAL_REACH * limits[i])
+        hold(pairs[i], limits[i])
     write_shape(pairs[0], ahead, limits, out)
     at = 7 + 2 * coupled_of(limits)
     write_motion(pairs[0], pairs[1], pairs[2], out, at)
@@ -122,5 +128,5 @@ def write_pose_terms(limits, e, pressure, pair, out):  # pragma: no cover  (comp
     d = len(e)
     out[:d] = e
     out[d : d + 2] = pressure
-    hold(pair, MODAL_REACH * limits[0])
+    hold(pair, limits[0])
     write_shape(pair, e, limits, out[d + 2 :])

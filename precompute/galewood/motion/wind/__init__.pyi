@@ -3,6 +3,7 @@ from .crown import crown_carried as crown_carried
 from .crown import crown_field as crown_field
 from .crown import gust_pressures as gust_pressures
 from .crown import write_gusts as write_gusts
+from .crown import write_gusts_of_each as write_gusts_of_each
 from .document import Wind as Wind
 from .document import WindError as WindError
 from .document import check_direction as check_direction

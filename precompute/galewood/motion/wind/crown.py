@@ -91,28 +91,50 @@ def write_gusts(
     their streamlined exponent. ``out`` has two numbers for each place: what the pressure there is in addition
     to that at the tree, along it and across it, over its strength.
     """
+    for i in range(len(out)):
+        _write_tree_gusts(field, carried, places, (*stand, turn, size), pressure, exponent, i, out)
+
+
+@numba.njit(cache=True, nogil=True)
+def write_gusts_of_each(
+    field, carried, tables, stand, turn, size, pressure, out
+):  # pragma: no cover  (compiled)
+    """Write the relative pressures of the gusts at places of trees of T tables: ``write_gusts``.
+
+    ``tables`` are the places (T, G, 3), the streamlined exponents (T,), and the table of each tree (count,).
+    """
+    places, exponent, table = tables
+    for i in range(len(out)):
+        k = table[i]
+        _write_tree_gusts(field, carried, places[k], (*stand, turn, size), pressure, exponent[k], i, out)
+
+
+@numba.njit(cache=True, nogil=True)
+def _write_tree_gusts(
+    field, carried, places, trees, pressure, exponent, i, out
+):  # pragma: no cover  (compiled)
+    """Write the gusts at the places of tree i to its row of out."""
     c, s, distance, intensity = carried
-    x_m, z_m = stand
+    x_m, z_m, turn, size = trees
     pressure_x, pressure_z = pressure
-    for i in range(len(x_m)):
-        square = pressure_x[i] * pressure_x[i] + pressure_z[i] * pressure_z[i]
-        growth = exponent if square > STREAMLINING_PRESSURE_PA * STREAMLINING_PRESSURE_PA else 2.0
-        if intensity == 0.0 or square == 0.0:
-            out[i, :] = 0.0
-            continue
-        for g in range(len(places)):
-            # three.js rotation.y, as in the shader
-            x = x_m[i] + size[i] * (turn[i, 0] * places[g, 0] + turn[i, 1] * places[g, 2])
-            z = z_m[i] + size[i] * (turn[i, 0] * places[g, 2] - turn[i, 1] * places[g, 0])
-            y = size[i] * places[g, 1]
-            along = (c * x + s * z - distance + CROWN_LEAN_ALONG * y) / CROWN_CELL_M
-            across = (c * z - s * x + CROWN_LEAN_ACROSS * y) / CROWN_CELL_M + CROWN_SLANT * along
-            column, row = math.floor(along), math.floor(across)
-            t, w = along - column, across - row
-            left, right = int(column) & (CROWN_CELLS - 1), int(column + 1) & (CROWN_CELLS - 1)
-            near, far = int(row) & (CROWN_CELLS - 1), int(row + 1) & (CROWN_CELLS - 1)
-            for side in range(2):
-                first = field[near, left, side] + t * (field[near, right, side] - field[near, left, side])
-                last = field[far, left, side] + t * (field[far, right, side] - field[far, left, side])
-                gust = min(max(intensity * (first + w * (last - first)), -CROWN_MOST_GUST), CROWN_MOST_GUST)
-                out[i, 2 * g + side] = gust * (growth if side == 0 else 1.0)
+    square = pressure_x[i] * pressure_x[i] + pressure_z[i] * pressure_z[i]
+    growth = exponent if square > STREAMLINING_PRESSURE_PA * STREAMLINING_PRESSURE_PA else 2.0
+    if intensity == 0.0 or square == 0.0:
+        out[i, :] = 0.0
+        return
+    for g in range(len(places)):
+        # three.js rotation.y, as in the shader
+        x = x_m[i] + size[i] * (turn[i, 0] * places[g, 0] + turn[i, 1] * places[g, 2])
+        z = z_m[i] + size[i] * (turn[i, 0] * places[g, 2] - turn[i, 1] * places[g, 0])
+        y = size[i] * places[g, 1]
+        along = (c * x + s * z - distance + CROWN_LEAN_ALONG * y) / CROWN_CELL_M
+        across = (c * z - s * x + CROWN_LEAN_ACROSS * y) / CROWN_CELL_M + CROWN_SLANT * along
+        column, row = math.floor(along), math.floor(across)
+        t, w = along - column, across - row
+        left, right = int(column) & (CROWN_CELLS - 1), int(column + 1) & (CROWN_CELLS - 1)
+        near, far = int(row) & (CROWN_CELLS - 1), int(row + 1) & (CROWN_CELLS - 1)
+        for side in range(2):
+            first = field[near, left, side] + t * (field[near, right, side] - field[near, left, side])
+            last = field[far, left, side] + t * (field[far, right, side] - field[far, left, side])
+            gust = min(max(intensity * (first + w * (last - first)), -CROWN_MOST_GUST), CROWN_MOST_GUST)
+            out[i, 2 * g + side] = gust * (growth if side == 0 else 1.0)

@@ -114,19 +114,20 @@ class WindField:
         time_s: float,
         out_x_pa: npt.NDArray[Any],
         out_z_pa: npt.NDArray[Any],
-        exponent: float,
+        exponent: float | Floats,
         height_factor: Floats | None = None,
     ) -> None:
         """Write the pressure (Pa, world x and z) at each position (m); exactly 0 in still air.
 
-        ``exponent`` is the streamlined exponent of the trees (``dynamic_pressure``), ``height_factor`` the
-        result of ``pressure.height_factor`` (default: 1 everywhere).
+        ``exponent`` is the streamlined exponent of all trees or of each (``dynamic_pressure``),
+        ``height_factor`` the result of ``pressure.height_factor`` (default: 1 everywhere).
         """
         x, z = np.ascontiguousarray(x_m, np.float64), np.ascontiguousarray(z_m, np.float64)
         velocity_x, velocity_z = self._buffer("work", len(x))
         self.velocity(x, z, time_s, velocity_x, velocity_z)
         factor = self._buffer("ones", len(x))[0] if height_factor is None else height_factor
-        pressure_of_velocity(velocity_x, velocity_z, factor, exponent)
+        own = np.full(len(x), exponent) if isinstance(exponent, float) else exponent
+        pressure_of_velocity(velocity_x, velocity_z, factor, own)
         out_x_pa[:] = velocity_x
         out_z_pa[:] = velocity_z
 

@@ -19,7 +19,7 @@ from galewood.constants import (
 from galewood.util import Array, Floats
 
 
-def dynamic_pressure(speed_m_s: npt.ArrayLike, exponent: float) -> Floats:
+def dynamic_pressure(speed_m_s: npt.ArrayLike, exponent: float | Floats) -> Floats:
     """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, proportional to U^exponent above (streamlining).
 
     Here and below ``exponent`` is the tree's streamlined exponent, 1 … 2; at 2 the law is one parabola.
@@ -49,11 +49,14 @@ def speed_of_pressure(pressure_pa, exponent):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def pressure_of_velocity(velocity_x, velocity_z, factor, exponent):  # pragma: no cover  (compiled)
-    """Convert velocities (m/s), each scaled by its height factor, to pressure vectors (Pa) in place."""
+    """Convert velocities (m/s) to pressure vectors (Pa) in place, with factor and exponent of each tree.
+
+    A factor is that of the height, by which the velocity is scaled.
+    """
     for i in range(len(velocity_x)):
         vx, vz = velocity_x[i] * factor[i], velocity_z[i] * factor[i]
         # multiplying by pressure over speed keeps the direction of the velocity
-        per_speed = pressure_per_speed(math.sqrt(vx * vx + vz * vz), exponent)[0]
+        per_speed = pressure_per_speed(math.sqrt(vx * vx + vz * vz), exponent[i])[0]
         velocity_x[i] = per_speed * vx
         velocity_z[i] = per_speed * vz
 
@@ -82,18 +85,18 @@ def compressed(ratio):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def compress_pressure(
-    pressure_x: Array, pressure_z: Array, peak: Floats, most_pa: float, ratio: Array
+    pressure_x: Array, pressure_z: Array, peak: Floats, most_pa: Floats, ratio: Array
 ) -> None:  # pragma: no cover  (compiled)
-    """Compress pressures in place to the range of a table whose strongest sampled pressure is most_pa.
+    """Compress pressures in place to the range of tables whose strongest sampled pressure is most_pa (n,).
 
     A wind whose gusts exceed the range is scaled as a whole, by what its strongest gust, ``peak`` (n,) Pa,
     requires: if only the gusts were compressed, a storm would sway trees less than a breeze. What exceeds
     even that gust is compressed in turn. Writes the pressure before over most_pa to ``ratio`` (n,).
     """
     for i in range(len(pressure_x)):
-        strength = math.sqrt(float(pressure_x[i]) ** 2 + float(pressure_z[i]) ** 2) / most_pa
+        strength = math.sqrt(float(pressure_x[i]) ** 2 + float(pressure_z[i]) ** 2) / most_pa[i]
         ratio[i] = strength
-        strongest = max(peak[i] / most_pa, 1.0)
+        strongest = max(peak[i] / most_pa[i], 1.0)
         most = compressed(strongest)
         scale = most / strongest
         if strength > strongest:

@@ -18,7 +18,7 @@ from galewood.options import METHOD_NAMES
 from galewood.pipeline.sampling import SampleTask, run_task
 from galewood.pipeline.stages.build import build_table
 from galewood.pipeline.tables import BuildOptions
-from galewood.player import WindDrivenTrees
+from galewood.player import WindDrivenForest, WindDrivenTrees
 from galewood.table import Table, decode
 from galewood.util import Floats, compile_once
 
@@ -118,6 +118,7 @@ def _play(table: Table) -> None:
         forest = WindDrivenTrees(table, trees, method)
         for model in WIND_MODELS:
             forest.step(WindField(Wind(model=model)), 1.0, 1 / 30)
+        WindDrivenForest([forest]).step(WindField(Wind()), 2.0, 1 / 30)
 
 
 if __name__ == "__main__":

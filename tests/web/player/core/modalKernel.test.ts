@@ -2,12 +2,13 @@ import { expect, test } from "vitest";
 import { compileKernel } from "../../../../web/scripts/compileKernel";
 import { decodeTable, type Table } from "../../../../web/player/src/core/table/table";
 import { ModalForest } from "../../../../web/player/src/core/modal/modalForest";
-import { FIRST_BYTE } from "../../../../web/player/src/core/modal/modalKernel";
+import { FIRST_BYTE, ModalKernel } from "../../../../web/player/src/core/modal/modalKernel";
 import { PlaceGusts } from "../../../../web/player/src/core/modal/placeGusts";
 import { WindField } from "../../../../web/player/src/core/wind/field";
 import { CALM_BREEZE } from "../../../../web/player/src/core/wind/presets";
 import { MODAL_KERNEL } from "../../../../web/player/src/core/modal/modalKernel.wasm";
 import { contracts, forceTerms, poseTerms } from "../../../../web/player/src/core/modal/modalTensors";
+import { sumsOf } from "../../../../web/player/src/core/modal/termSums";
 import { golden } from "../../golden";
 import { seededRandom } from "../../seeded";
 
@@ -77,9 +78,70 @@ const SIZES: Sizes[] = [
 ];
 const TITLE = "%i oscillators, %i coupled, %i modes, %i drag points, %i places: agrees with the TypeScript implementation";
 
+/** A table whose force moves the oscillators in few ways only, as that of an individual, with a sparse pose. */
+function withFewWays(table: Table, ways: number, next: () => number): Table {
+  const { modal } = table;
+  const d = modal.step.length / 6;
+  const along = Float64Array.from({ length: ways * d }, () => 2 * next() - 1);
+  const shares = Float64Array.from({ length: (ways * modal.force.length) / d }, () => (0.05 * (2 * next() - 1)) / Math.max(1, ways));
+  const force = modal.force.map((_, at) => {
+    let sum = 0;
+    for (let way = 0; way < ways; way++) sum += shares[Math.floor(at / d) * ways + way] * along[way * d + (at % d)];
+    return sum;
+  });
+  const width = modal.pose.length / poseTerms(d, (modal.limits.length - 3) / 2);
+  const pose = modal.pose.map((value, at) => (at >= (d + 2) * width && at < (d + 5) * width ? value : 0));
+  return { ...table, modal: { ...modal, force, pose } };
+}
+
 test.each(SIZES)(TITLE, (...sizes) => {
   const next = seededRandom(sizes[0]);
-  const table = madeUp(sizes, next);
+  expectAgreement(madeUp(sizes, next), next);
+});
+
+test.each([0, 1, 2, 4, 5])("a force in %i ways and a sparse pose: agrees with the TypeScript implementation", (ways) => {
+  const next = seededRandom(20 + ways);
+  const table = withFewWays(madeUp([24, 2, 27, 12, 32], next), ways, next);
+  expect(sumsOf(table.modal.force, 24)?.count).toBe(ways > 4 ? undefined : ways);
+  expectAgreement(table, next);
+});
+
+test("forests of many tables, more than one memory holds, move as each does in TypeScript", () => {
+  const next = seededRandom(11);
+  const forests = Array.from({ length: 240 }, (_, k) => {
+    const table = madeUp(SIZES[k % 3], next);
+    const few = k % 2 ? withFewWays(table, 2, next) : table;
+    const gusts = new PlaceGusts(few.modal, 1);
+    return { gusts, both: [new ModalForest(few, 1), new ModalForest(few, 1, true)] };
+  });
+  const field = new WindField({ ...CALM_BREEZE, gustiness: 0.8 });
+  for (let frame = 0; frame < 40; frame++) {
+    const moment = field.at(frame / 30);
+    for (const { gusts, both } of forests) {
+      gusts.set(moment);
+      for (const forest of both) forest.advance(1 / 30, [20], [-10], gusts);
+    }
+  }
+  for (const { both } of forests) both[1].q.forEach((q, k) => expect(both[0].q[k]).toBeCloseTo(q, 5));
+  expect(forests.every(({ both }) => both[0].q.some((q) => Math.abs(q) > 1e-3))).toBe(true);
+});
+
+test("a memory is shared by small forests, and a large one has its own", () => {
+  const table = madeUp([24, 0, 27, 12, 32], seededRandom(12));
+  const bufferOf = (count: number) => {
+    const { modal, metadata } = table;
+    return ModalKernel.make([{ modal, modes: metadata.modes, dt_s: metadata.dt_s }], count)?.states.buffer;
+  };
+  const [first, second, large] = [bufferOf(1), bufferOf(1), bufferOf(20_000)];
+  const more = Array.from({ length: 400 }, () => bufferOf(1));
+  expect(second).toBe(first);
+  expect(large).not.toBe(first);
+  expect(new Set(more).size).toBeGreaterThan(1);
+  expect(new Set(more).size).toBeLessThan(6);
+});
+
+/** Compares kernel and TypeScript in a wind that comes and goes. */
+function expectAgreement(table: Table, next: () => number): void {
   expect(contracts(table.modal.step)).toBe(true);
   const count = 5;
   const forests = [new ModalForest(table, count), new ModalForest(table, count, true)];
@@ -106,7 +168,7 @@ test.each(SIZES)(TITLE, (...sizes) => {
     });
   }
   expect(largest).toBeGreaterThan(0.1);
-});
+}
 
 test("a forest continues from the state of another one of the same table", () => {
   const table = madeUp([17, 2, 26, 4, 6], seededRandom(5));

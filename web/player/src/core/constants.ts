@@ -400,6 +400,10 @@ export const MAX_STEPS_PER_ADVANCE = 8;
  * bounded, and as the linear step contracts, any bounded wind gives a bounded motion.
  */
 export const MODAL_REACH = 1.25;
+/** Most sums that take the place of the terms of a force, if these drive the oscillators in so few ways. */
+export const MOST_TERM_SUMS = 4;
+/** What the sums leave of a term's numbers, over the largest of them, when it is their rounding. */
+export const TERM_SUM_ROUNDING = 2.384185791015625e-7;
 /** In still air a motion below this share of the sampled range is set to exactly zero. */
 export const MODAL_REST = 1e-7;
 /** Fewest oscillators whose speed determines the velocity of the drag points; otherwise half of them. */

@@ -3,7 +3,7 @@ import type { Moment } from "../wind/transition";
 import type { ModalTensors } from "./modalTensors";
 
 /** The turbulence that is being sampled, and the gusts at the places of one tree: the same for all forests, as one samples at a time. */
-const CROWN = new CrownGusts();
+const CROWN_GUSTS = new CrownGusts();
 let relative = new Float64Array(0);
 
 /**
@@ -38,9 +38,9 @@ export class PlaceGusts {
     const strength = Math.sqrt(px * px + pz * pz);
     const places = place.length / 3;
     if (places === 0 || this.share[i] === 0 || strength === 0 || !moment) return false;
-    CROWN.set(moment);
-    if (!CROWN.blows) return false;
-    CROWN.write(place, this.exponent, trees, i, strength, relative);
+    CROWN_GUSTS.set(moment);
+    if (!CROWN_GUSTS.blows) return false;
+    CROWN_GUSTS.write(place, this.exponent, trees, i, strength, relative);
     const x = px * this.share[i];
     const z = pz * this.share[i];
     for (let g = 0; g < places; g++) {

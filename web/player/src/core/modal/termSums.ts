@@ -2,11 +2,7 @@
  * Few sums of terms by which a model's force can be computed. The force of an individual acts on its sway alone: all its terms
  * move the oscillators in two ways.
  */
-
-/** Most sums that take the place of the terms. */
-const MOST_SUMS = 4;
-/** What is left of a row, over its largest number, when it is rounding. */
-const ROUNDING = 2 ** -22;
+import { MOST_TERM_SUMS, TERM_SUM_ROUNDING } from "../constants";
 
 /** The force [F, d] as a product of `shares`, transposed, and `rows`. */
 export interface TermSums {
@@ -21,7 +17,7 @@ export interface TermSums {
 const largest = (values: Float64Array) =>
   values.reduce((best, value, at) => (Math.abs(value) > Math.abs(values[best]) ? at : best), 0);
 
-/** The sums that give a force [F, d] to rounding; null if it takes more than MOST_SUMS. */
+/** The sums that give a force [F, d] to rounding; null if it takes more than MOST_TERM_SUMS. */
 export function sumsOf(force: Float32Array, d: number): TermSums | null {
   const rows: number[] = [];
   const shares: number[] = [];
@@ -33,10 +29,10 @@ export function sumsOf(force: Float32Array, d: number): TermSums | null {
     for (let k = 0; k < d; k++) own[k] /= most;
     return most;
   });
-  for (let count = 0; count <= MOST_SUMS; count++) {
+  for (let count = 0; count <= MOST_TERM_SUMS; count++) {
     const at = largest(left);
     const most = left[at];
-    if (Math.abs(most) <= ROUNDING)
+    if (Math.abs(most) <= TERM_SUM_ROUNDING)
       return { count, shares: Float32Array.from(shares), rows: Float32Array.from(rows) };
     const pivot = left.slice(at - (at % d), at - (at % d) + d);
     rows.push(...pivot);
