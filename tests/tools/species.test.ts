@@ -247,7 +247,7 @@ it.each(SPECIES.filter(({ form }) => form === "open"))("reproduces the picture o
       if (edge) expect(committed.data[4 * (y * committed.width + x) + 3]).toBe(0);
     }
   }
-}, 60_000);
+}, 240_000);
 
 it.each(SPECIES.filter(({ form, leaf }) => form === "open" && leaf.fuller))(
   "reproduces the picture of the fuller shoots: $id",
@@ -262,7 +262,7 @@ it.each(SPECIES.filter(({ form, leaf }) => form === "open" && leaf.fuller))(
       }
     }
   },
-  60_000,
+  240_000,
 );
 
 it("is deterministic", async () => {
