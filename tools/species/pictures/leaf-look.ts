@@ -17,7 +17,7 @@ export interface LeafLook {
   leavesPerSpray: number;
   /** Side shoots of the shoot on a card. */
   sideShoots: number;
-  /** The fuller shoot that browsers draw on a card in place of the one whose needles have the mass of the tree's. */
+  /** A fuller shoot, which browsers draw on the card; the leaf area and mass of the tree are those of the other one. */
   fuller?: {
     sideShoots: number;
     /** Length of the side shoots relative to usual ones. */

@@ -2,7 +2,7 @@
 
 import { BufferAttribute, BufferGeometry } from "three";
 
-/** Stations along a leaf with its stalk, which has length 1.1 without it: place along it, half width, height of midrib and edge. */
+/** Stations along a stalk and a blade of length 1: place along it, half width, height of the midrib and of the edge. */
 const LEAF_STATIONS = [
   [-0.75, 0.018, 0.04, 0.04],
   [-0.42, 0.13, -0.02, 0.02],
