@@ -3,7 +3,7 @@
 import { LEAN_SHADER, NODE_TEXEL } from "galewood/trees";
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
 import { CROWN_LIGHT } from "../treeSurface/treeLight";
-import { COLOUR_SIDE } from "./baking/atlasLayout";
+import { COLOUR_VIEW } from "./baking/atlasLayout";
 import { OCTAHEDRAL_GLSL } from "./baking/octahedral";
 import { FLAT_VARYINGS, LIGHT_GLSL, NORMAL_GLSL, SURFACE_GLSL } from "./cardSurface";
 
@@ -115,6 +115,7 @@ uniform float uCrowded;
 uniform float uSnow;
 uniform vec3 uSnowColour;
 uniform float uEdge;
+uniform vec3 uBoxM; // as above
 uniform vec3 uSunColour;
 uniform vec3 uSkyColour;
 ${FLAT_VARYINGS}
@@ -153,25 +154,27 @@ Seen look(float chance) {
   vec3 towards = viewAt(view);
   vec3 across = normalize(vec3(towards.z, 0.0, -towards.x));
   vec3 upward = cross(towards, across);
-  float texels = ${(COLOUR_SIDE / 2).toFixed(1)};
-  float lod = 0.5 * log2(max(dot(dFdx(vCard), dFdx(vCard)), dot(dFdy(vCard), dFdy(vCard))) * texels * texels);
+  // The mean of both directions: a pixel covers fewer texels of a slender tree upwards than across.
+  const float TEXELS = ${((COLOUR_VIEW.width * COLOUR_VIEW.height) / 4).toFixed(1)};
+  float lod = 0.5 * log2(sqrt(dot(dFdx(vCard), dFdx(vCard)) * dot(dFdy(vCard), dFdy(vCard))) * TEXELS);
   // Begin at the upright plane through the axis, where the trunk is.
   vec3 ray = normalize(vRay);
   vec2 level = normalize(towards.xz);
   vec3 from = vCard + clamp(-dot(vCard.xz, level) / min(-0.3, dot(ray.xz, level)), -0.8, 0.8) * ray;
   vec2 q = vec2(dot(from, across), dot(from, upward));
-  float depth = 2.0 * textureLod(uSurface, (view + clamp(0.5 + 0.5 * q, 0.01, 0.99)) / VIEWS, lod - 1.0).z - 1.0;
+  // The depth of tufts, not of leaves: if leaves beside each other moved by different ways, they would be smeared.
+  float depth = 2.0 * textureLod(uSurface, (view + clamp(0.5 + 0.5 * q, 0.01, 0.99)) / VIEWS, max(2.0, lod - 1.0)).z - 1.0;
   float way = clamp((depth - dot(vCard, towards)) / min(-0.3, dot(ray, towards)), -1.0, 1.0);
   vec3 at = vCard + way * ray;
   q = clamp(vec2(dot(at, across), dot(at, upward)), -0.98, 0.98);
   vec2 place = (view + 0.5 + 0.5 * q) / VIEWS;
   vec4 colour = textureLod(uColour, place, lod);
   colour.rgb /= max(colour.a, 0.02);
-  if (lod < -0.5) {
+  if (lod < 0.4) {
     // Near the eye the picture is coarser than the screen: add leaves at its edges and in its light.
-    vec2 fine = place * VIEWS * ${COLOUR_SIDE.toFixed(1)};
-    float leaf = 0.55 * tuft(1.1 * fine) + 0.45 * tuft(2.6 * fine + 7.0);
-    float amount = min(1.0, -0.5 * lod - 0.2);
+    vec2 fine_m = vec2(dot(at, across) * uBoxM.x, dot(at, upward) * length(upward * uBoxM.xyx));
+    float leaf = 0.55 * tuft(fine_m / 0.21) + 0.45 * tuft(fine_m / 0.09 + 7.0);
+    float amount = clamp(0.25 - 0.6 * lod, 0.0, 1.0);
     colour.a += amount * 1.5 * (leaf - 0.5) * step(0.01, colour.a);
     colour.rgb *= 1.0 + amount * 0.8 * (leaf - 0.5);
   }

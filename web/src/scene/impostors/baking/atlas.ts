@@ -8,14 +8,14 @@ import {
   NoColorSpace,
   WebGLRenderTarget,
 } from "three";
-import { COLOUR_SIDE, SURFACE_SIDE } from "./atlasLayout";
+import { COLOUR_VIEW, SURFACE_VIEW, type ViewSize } from "./atlasLayout";
 import { VIEWS_PER_SIDE } from "./octahedral";
 import { type TreeBox, treeBox } from "./treeBox";
 
 export const VIEW_COUNT = VIEWS_PER_SIDE * VIEWS_PER_SIDE;
 
-function picture(side: number): WebGLRenderTarget {
-  const target = new WebGLRenderTarget(VIEWS_PER_SIDE * side, VIEWS_PER_SIDE * side, {
+function picture({ width, height }: ViewSize): WebGLRenderTarget {
+  const target = new WebGLRenderTarget(VIEWS_PER_SIDE * width, VIEWS_PER_SIDE * height, {
     depthBuffer: false,
     magFilter: LinearFilter,
     minFilter: LinearMipmapLinearFilter,
@@ -31,9 +31,9 @@ function picture(side: number): WebGLRenderTarget {
 export class Atlas {
   readonly box: TreeBox;
   /** Colour without light, multiplied by the opacity; opacity. */
-  readonly colour = picture(COLOUR_SIDE);
+  readonly colour = picture(COLOUR_VIEW);
   /** Normal (octahedron), depth, kind and openness to the sky. */
-  readonly surface = picture(SURFACE_SIDE);
+  readonly surface = picture(SURFACE_VIEW);
   /** Views that have been drawn since the last start. */
   done = 0;
   /** Whether all views have been drawn once, so that trees can be shown. */

@@ -1,9 +1,15 @@
 /** Sizes of an impostor's two pictures. Pure. */
 import { VIEWS_PER_SIDE } from "./octahedral";
 
-/** Pixels along each side of one view: colour and opacity, and (coarser) normal, depth and kind. */
-export const COLOUR_SIDE = 128;
-export const SURFACE_SIDE = 64;
+/** Size of one view's picture, px. */
+export interface ViewSize {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** Pixels of one view, more of them upwards, as trees are tall: colour and opacity, and (coarser) normal, depth and kind. */
+export const COLOUR_VIEW: ViewSize = { width: 128, height: 256 };
+export const SURFACE_VIEW: ViewSize = { width: 64, height: 128 };
 /** Atlases kept at a time, which limits the memory: further species keep their geometry at every distance. */
 export const MOST_ATLASES = 12;
 
@@ -13,20 +19,17 @@ const BYTES_PER_PIXEL = 4;
 
 /** GPU memory of one atlas, bytes. */
 export const ATLAS_BYTES = Math.ceil(
-  VIEWS_PER_SIDE ** 2 * BYTES_PER_PIXEL * MIP_FACTOR * (COLOUR_SIDE ** 2 + SURFACE_SIDE ** 2),
+  VIEWS_PER_SIDE ** 2 *
+    BYTES_PER_PIXEL *
+    MIP_FACTOR *
+    (COLOUR_VIEW.width * COLOUR_VIEW.height + SURFACE_VIEW.width * SURFACE_VIEW.height),
 );
 /** Memory of the target into which one view is drawn before it is reduced: two pictures, one depth buffer. */
 export const canvasBytes = (side: number): number => 3 * BYTES_PER_PIXEL * side * side;
 
-export interface Viewport {
-  readonly left: number;
-  readonly bottom: number;
-  readonly side: number;
-}
-
-/** Place of one view in a picture, px. */
-export function viewport(view: number, side: number): Viewport {
-  return { left: (view % VIEWS_PER_SIDE) * side, bottom: Math.floor(view / VIEWS_PER_SIDE) * side, side };
+/** Lower left pixel of one view in a picture. */
+export function viewCorner(view: number, { width, height }: ViewSize): { left: number; bottom: number } {
+  return { left: (view % VIEWS_PER_SIDE) * width, bottom: Math.floor(view / VIEWS_PER_SIDE) * height };
 }
 
 /**

@@ -83,12 +83,12 @@ precision highp int;
 uniform sampler2D uColour;
 uniform sampler2D uSurface;
 uniform ivec2 uFrom;
-uniform int uBlock;
+uniform ivec2 uBlock;
 uniform bool uOfSurface;
 uniform vec3 uRight;
 uniform vec3 uUp;
 uniform vec3 uTowards;
-uniform float uSide;
+uniform vec2 uSize;
 out vec4 mean;
 vec2 octahedron(vec3 n) {
   n /= abs(n.x) + abs(n.y) + abs(n.z);
@@ -114,8 +114,8 @@ void main() {
   vec4 sum = vec4(0.0);
   float depth = 0.0;
   float covered = 0.0;
-  for (int y = 0; y < uBlock; y++) {
-    for (int x = 0; x < uBlock; x++) {
+  for (int y = 0; y < uBlock.y; y++) {
+    for (int x = 0; x < uBlock.x; x++) {
       vec4 colour = texelFetch(uColour, first + ivec2(x, y), 0);
       if (colour.a < 0.5) continue;
       covered += 1.0;
@@ -130,13 +130,13 @@ void main() {
       float kind = sum.w < 0.5 ? 0.0 : 0.6; // wood, leaves
       sum.w = kind + clamp((sum.w - kind) * (1.0 - 0.75 * hollow), 0.0, 0.4);
     }
-    vec2 at = 2.0 * (gl_FragCoord.xy - vec2(uFrom)) / uSide - 1.0;
+    vec2 at = 2.0 * (gl_FragCoord.xy - vec2(uFrom)) / uSize - 1.0;
     vec3 ball = at.x * uRight + at.y * uUp + 0.5 * uTowards;
     // Beside thin parts, most of which are near the axis: the upright plane through it.
     float axis = at.y * uTowards.y / max(0.25, length(uTowards.xz));
     mean = covered > 0.0 ? sum : vec4(0.5 + 0.5 * octahedron(normalize(ball)), 0.5 + 0.5 * clamp(axis, -0.8, 0.8), 0.92);
   } else {
-    float share = covered / float(uBlock * uBlock);
+    float share = covered / float(uBlock.x * uBlock.y);
     mean = vec4(covered > 0.0 ? sqrt(sum.rgb / covered * (1.0 - 0.55 * hollow)) * share : vec3(0.0), share);
   }
 }

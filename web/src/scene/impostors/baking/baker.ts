@@ -21,7 +21,7 @@ import {
 } from "three";
 import { meanColour } from "../../treeModel/meanColour";
 import { type Atlas, VIEW_COUNT } from "./atlas";
-import { viewport } from "./atlasLayout";
+import { COLOUR_VIEW, SURFACE_VIEW, viewCorner } from "./atlasLayout";
 import { BAKE_FRAGMENT, BAKE_VERTEX, REDUCE_FRAGMENT, REDUCE_VERTEX } from "./bakeShader";
 import { pictureAxes, VIEWS_PER_SIDE, viewDirection } from "./octahedral";
 
@@ -126,7 +126,7 @@ export class Baker {
   private canvas: WebGLRenderTarget | null = null;
   private sitter: Sitter | null = null;
 
-  /** `side`: pixels of the picture from which each view is reduced, a multiple of the views' sides. */
+  /** `side`: pixels of the picture from which each view is reduced, a multiple of the views' width and height. */
   constructor(readonly side: number) {
     this.reduction = new RawShaderMaterial({
       glslVersion: GLSL3,
@@ -139,9 +139,9 @@ export class Baker {
         uColour: { value: null as Texture | null },
         uSurface: { value: null as Texture | null },
         uFrom: { value: new Vector2() },
-        uBlock: { value: 1 },
+        uBlock: { value: new Vector2(1, 1) },
         uOfSurface: { value: false },
-        uSide: { value: 1 },
+        uSize: { value: new Vector2(1, 1) },
       },
     });
     const mesh = new Mesh(this.screen, this.reduction);
@@ -198,16 +198,17 @@ export class Baker {
     view: number,
     surface: boolean,
   ): void {
-    const { left, bottom, side } = viewport(view, picture.width / VIEWS_PER_SIDE);
+    const { width, height } = surface ? SURFACE_VIEW : COLOUR_VIEW;
+    const { left, bottom } = viewCorner(view, { width, height });
     const { uniforms } = this.reduction;
     uniforms.uColour.value = canvas.textures[0];
     uniforms.uSurface.value = canvas.textures[1];
     uniforms.uFrom.value.set(left, bottom);
-    uniforms.uBlock.value = this.side / side;
+    uniforms.uBlock.value.set(this.side / width, this.side / height);
     uniforms.uOfSurface.value = surface;
-    uniforms.uSide.value = side;
-    picture.viewport.set(left, bottom, side, side);
-    picture.scissor.set(left, bottom, side, side);
+    uniforms.uSize.value.set(width, height);
+    picture.viewport.set(left, bottom, width, height);
+    picture.scissor.set(left, bottom, width, height);
     // Mip levels once, with the last view.
     picture.texture.generateMipmaps = view === VIEW_COUNT - 1;
     renderer.setRenderTarget(picture);
