@@ -23,7 +23,8 @@ export const NEAR_M = 45;
 const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
-export const MOST_GAIN = 1.75;
+/** Limits of the gain: below dense crowns, and over open land below the whole sky. */
+export const GAINS = { least: 0.82, most: 1.75 } as const;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
 const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
@@ -132,12 +133,13 @@ export function viewLight(gaze: Gaze, scene: Surroundings): number {
 }
 
 /**
- * Gain of the exposure for a view of this light, from 1 to MOST_GAIN. Smaller for a low sun, whose long shadows the
+ * Gain of the exposure for a view of this light, within GAINS. Nearer to 1 for a low sun, whose long shadows the
  * exposure of the hour already allows for. `sunSine`: sine of the sun's elevation.
  */
 export function gainFor(light: number, sunSine = 1): number {
   const gain = (Math.max(1e-6, light) / USUAL_LIGHT) ** -ADAPTATION_SHARE;
-  return Math.min(MOST_GAIN, Math.max(1, 1 + (gain - 1) * (0.3 + 0.7 * smoothstep(0.08, 0.45, sunSine))));
+  const wanted = 1 + (gain - 1) * (0.3 + 0.7 * smoothstep(0.08, 0.45, sunSine));
+  return Math.min(GAINS.most, Math.max(GAINS.least, wanted));
 }
 
 /** One step of the gain towards its target; reaches it exactly. */
