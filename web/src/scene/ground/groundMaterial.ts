@@ -90,7 +90,10 @@ if (grassy < ${(1 - LEAST_SHARE).toFixed(2)}) {
 }
 if (grassy > ${LEAST_SHARE.toFixed(2)}) {
   vec3 grass = texture2D(uGrass, atGrass, uBias).rgb * (0.75 + 0.45 * patchy.g);
-  ground += grassy * grass * mix(vec3(0.66, 0.9, 0.75), vec3(0.95, 0.95, 0.75), broad.g) * uGrassTint;
+  vec3 meadow = mix(vec3(0.66, 0.9, 0.75), vec3(0.95, 0.95, 0.75), broad.g);
+  float dry = smoothstep(0.42, 0.7, 0.55 * patchy.b + 0.25 * broad.b + 0.2 * ragged.r);
+  meadow = mix(meadow, vec3(1.35, 1.02, 0.95), 0.55 * dry);
+  ground += grassy * grass * meadow * uGrassTint;
 }
 float bare = 0.0;
 float drift = 0.0;

@@ -6,6 +6,8 @@ import { BufferAttribute, BufferGeometry, Vector3 } from "three";
 const TWIG_COUNT = 18;
 const FROND_COUNT = 9;
 const FROND_PARTS = 3;
+/** How far the normals of a frond's edges turn outwards, per unit of its width: its two sides are lit differently. */
+const FROND_ROUNDNESS = 2.2;
 
 class Shape {
   private readonly position: number[] = [];
@@ -160,11 +162,14 @@ export function fern(): BufferGeometry {
       const t = part / FROND_PARTS;
       const place = out.clone().multiplyScalar(0.04 + reach * t ** 1.3);
       place.y = top * (1.75 * t - 0.95 * t * t);
-      const normal = UP_DIRECTION.clone()
-        .addScaledVector(out, 0.5 * t)
-        .normalize();
-      const left = shape.vertex(place.clone().sub(across), normal, 0.5, t);
-      const right = shape.vertex(place.clone().add(across), normal, 1, t);
+      const normal = UP_DIRECTION.clone().addScaledVector(out, 0.5 * t);
+      const side = (to: number) =>
+        normal
+          .clone()
+          .addScaledVector(across, FROND_ROUNDNESS * to)
+          .normalize();
+      const left = shape.vertex(place.clone().sub(across), side(-1), 0.5, t);
+      const right = shape.vertex(place.clone().add(across), side(1), 1, t);
       if (before) shape.quad(before[0], before[1], right, left);
       before = [left, right];
     }

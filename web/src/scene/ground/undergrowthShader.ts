@@ -108,7 +108,7 @@ export const COLOUR_GLSL = /* glsl */ `
   vec3 leaf = vLook.rgb * (0.12 + 1.4 * own.r) * mix(vec3(1.15, 1.0, 0.75), vec3(0.9, 1.02, 1.1), own.b);
   diffuseColor.rgb = mix(leaf, vec3(0.12, 0.085, 0.06), own.g);
   // Deep inside the plant it is darker.
-  diffuseColor.rgb *= 0.5 + 0.5 * smoothstep(0.0, 0.6, vUp);
+  diffuseColor.rgb *= 0.35 + 0.65 * smoothstep(0.0, 0.75, vUp);
   diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, uSnow * smoothstep(0.35, 0.7, own.r + 0.2 * vUp));
 #endif
 `;
@@ -133,10 +133,9 @@ vec3 nonPerturbedNormal = normal;
 
 export const LIGHT_GLSL = /* glsl */ `
 #include <lights_fragment_end>
-#ifdef SOLID
 // The crowns above keep the blue of the sky from the forest floor.
 reflectedLight.indirectDiffuse *= vec3(0.8, 0.72, 0.5);
-#else
+#ifndef SOLID
 reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * (0.06 * uSunColour + 0.14 * directLight.color)
   * vec3(1.05, 1.0, 0.6);
 #endif
