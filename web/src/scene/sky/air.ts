@@ -19,6 +19,16 @@ export const air = {
 const halfTexel = (count: number) => (0.5 / count).toFixed(6);
 const inner = (count: number) => (1 - 1 / count).toFixed(6);
 
+/**
+ * Part of its light that the air among trees lacks, because they shade it: with the sun at the horizon, and high (assumed; it keeps the
+ * contrast of a wood below a low sun). It fades with the height of the path above the ground, and with its length, m.
+ */
+const SHADED_AIR = [0.7, 0.3] as const;
+const SHADED_BELOW_M = [14, 30] as const;
+const SHADED_WITHIN_M = [150, 700] as const;
+
+const glslRange = ([from, to]: readonly [number, number]) => `${from.toFixed(2)}, ${to.toFixed(2)}`;
+
 export const AIR_PARS = /* glsl */ `
 uniform sampler2D uSky;
 uniform vec3 uSunWorld;
@@ -52,7 +62,10 @@ float mistDepth(vec3 direction, float away) {
 vec3 throughAir(vec3 colour, vec3 direction, float away) {
   vec3 clear = exp(-uHaze * away);
   vec3 haze = hazeColour(direction);
-  colour = mix(haze, colour, clear);
+  float height = cameraPosition.y + 0.5 * direction.y * away - uMist.y;
+  float shaded = mix(${glslRange(SHADED_AIR)}, smoothstep(0.1, 0.6, uSunWorld.y));
+  shaded *= (1.0 - smoothstep(${glslRange(SHADED_BELOW_M)}, height)) * (1.0 - smoothstep(${glslRange(SHADED_WITHIN_M)}, away));
+  colour = mix((1.0 - shaded) * haze, colour, clear);
   return uMist.x > 0.0 ? mix(haze, colour, exp(-mistDepth(direction, away))) : colour;
 }
 `;
