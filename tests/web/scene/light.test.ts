@@ -110,6 +110,18 @@ describe("time of day", () => {
       }
   });
 
+  it("shows colours by day and hardly any by night, and lets them fade without a jump", () => {
+    for (const season of SEASONS) {
+      const at = (t: number) => atmosphereAt(t, season).nightVision;
+      expect([at(0.05), at(0.5), at(0.95)]).toEqual([0, 0, 0]);
+      expect([at(DAYTIMES.min), at(DAYTIMES.max)]).toEqual([1, 1]);
+      for (let t = 0.95; t < DAYTIMES.max; t += DAYTIMES.step) {
+        expect(at(t + DAYTIMES.step)).toBeGreaterThanOrEqual(at(t));
+        expect(at(t + DAYTIMES.step)).toBeLessThan(at(t) + 0.4);
+      }
+    }
+  });
+
   it("exposes dusk more than noon, but keeps it darker", () => {
     const noon = atmosphereAt(0.5, "summer");
     const dusk = atmosphereAt(0.98, "summer");

@@ -12,6 +12,8 @@ export const air = {
   uSunFlat: { value: new Vector2(0.7, 0.7) },
   /** Extinction per metre for each colour. */
   uHaze: { value: new Color(0.0007, 0.0009, 0.0013) },
+  /** How far eyes see as by night, when they tell no colours apart: 0 by day, 1 by night. */
+  uNightVision: { value: 0 },
   /** Ground mist: extinction per metre at its base, height of the base (m), scale height (m). */
   uMist: { value: new Vector3(0, -4, 7) },
 };
@@ -27,6 +29,15 @@ const SHADED_AIR = [0.7, 0.3] as const;
 const SHADED_BELOW_M = [14, 30] as const;
 const SHADED_WITHIN_M = [150, 700] as const;
 
+/**
+ * By night, rods see: more of blue and green light than of red, and no colours (Purkinje shift; weights and the bluish grey by eye). Some
+ * colour is left.
+ */
+const ROD_SENSITIVITY_RGB = [0.06, 0.57, 0.37] as const;
+const NIGHT_HUE_RGB = [0.75, 0.98, 1.4] as const;
+const GREY_BY_NIGHT = 0.7;
+
+const glslRgb = (rgb: readonly number[]) => `vec3(${rgb.map((value) => value.toFixed(3)).join(", ")})`;
 const glslRange = ([from, to]: readonly [number, number]) => `${from.toFixed(2)}, ${to.toFixed(2)}`;
 
 export const AIR_PARS = /* glsl */ `
@@ -35,6 +46,7 @@ uniform vec3 uSunWorld;
 uniform vec2 uSunFlat;
 uniform vec3 uHaze;
 uniform vec3 uMist;
+uniform float uNightVision;
 float aerosolPhase(float cosine) {
   const float g = ${AEROSOL_G.toFixed(3)};
   return (1.0 - g * g) * 0.0795775 * pow(1.0 + g * g - 2.0 * g * cosine, -1.5);
@@ -59,14 +71,20 @@ float mistDepth(vec3 direction, float away) {
   float mean = abs(climb) < 0.001 ? 1.0 : (1.0 - exp(-clamp(climb, -6.0, 60.0))) / climb;
   return uMist.x * foot * away * mean;
 }
+const vec3 ROD_SENSITIVITY = ${glslRgb(ROD_SENSITIVITY_RGB)};
+const vec3 NIGHT_HUE = ${glslRgb(NIGHT_HUE_RGB)};
+vec3 seenByNight(vec3 colour) {
+  return mix(colour, dot(colour, ROD_SENSITIVITY) * NIGHT_HUE, ${GREY_BY_NIGHT} * uNightVision);
+}
 vec3 throughAir(vec3 colour, vec3 direction, float away) {
   vec3 clear = exp(-uHaze * away);
   vec3 haze = hazeColour(direction);
   float height = cameraPosition.y + 0.5 * direction.y * away - uMist.y;
-  float shaded = mix(${glslRange(SHADED_AIR)}, smoothstep(0.1, 0.6, uSunWorld.y));
-  shaded *= (1.0 - smoothstep(${glslRange(SHADED_BELOW_M)}, height)) * (1.0 - smoothstep(${glslRange(SHADED_WITHIN_M)}, away));
-  colour = mix((1.0 - shaded) * haze, colour, clear);
-  return uMist.x > 0.0 ? mix(haze, colour, exp(-mistDepth(direction, away))) : colour;
+  float dimmed = mix(${glslRange(SHADED_AIR)}, smoothstep(0.1, 0.6, uSunWorld.y));
+  dimmed *= (1.0 - smoothstep(${glslRange(SHADED_BELOW_M)}, height)) * (1.0 - smoothstep(${glslRange(SHADED_WITHIN_M)}, away));
+  colour = mix((1.0 - dimmed) * haze, colour, clear);
+  if (uMist.x > 0.0) colour = mix(haze, colour, exp(-mistDepth(direction, away)));
+  return seenByNight(colour);
 }
 `;
 

@@ -64,6 +64,7 @@ export class Daylight {
     seasonal.uSkyColour.value.setRGB(...skylight);
     this.fillIn(light, season);
     air.uHaze.value.setRGB(...light.haze);
+    air.uNightVision.value = light.nightVision;
     air.uMist.value.x = light.mist;
     seasonal.uSnow.value = SEASON_LOOKS[season].snow;
   }

@@ -17,6 +17,8 @@ const RAD_PER_DEG = Math.PI / 180;
 const CLEAR_WEATHER: Weather = { cover: 0, dark: 0, speed_m_s: 0 };
 /** Elevation of the sun below which the moon lights the scene: the afterglow is gone, over half an hour after sunset. */
 const NIGHT_DEG = -5.6;
+/** Elevation of the sun below which colours fade, until it is night. */
+const COLOURS_FROM_DEG = -2.5;
 /** Light of the moon relative to sunlight: far more than a moon has, and bluer, as the eye sees a night. */
 const MOON_POWER: Rgb = [0.017, 0.022, 0.03];
 /** How much higher the moon stands than opposite the sun, so that it lights the ground. */
@@ -81,6 +83,8 @@ export interface Atmosphere {
   readonly exposure: number;
   /** Light that the exposure shows at least, in the unit of `exposureFor`. */
   readonly shownLight: number;
+  /** How far eyes see as by night: 0 by day, 1 by night. */
+  readonly nightVision: number;
   /** Extinction per metre. */
   readonly haze: Rgb;
   /** Extinction per metre at the base of the mist. */
@@ -94,7 +98,7 @@ const plus = (a: Rgb, k: number): Rgb => [a[0] + k, a[1] + k, a[2] + k];
 const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 /** Least light shown, by day and twilight under any clouds, and at night: pictures are never black. */
-const LEAST_SHOWN = { day: 1.15, night: 0.75 } as const;
+const LEAST_SHOWN = { day: 1.15, night: 0.85 } as const;
 
 /**
  * Exposure for the light of sun and sky. The adaptation is partial, so that dusk and storms stay darker than noon, down to
@@ -146,6 +150,7 @@ export function atmosphereAt(daytime: number, season: Season): Atmosphere {
     cloudlight,
     exposure: exposureFor(direct, clear, sun.elevation_deg, shownLight),
     shownLight,
+    nightVision: 1 - smoothstep(NIGHT_DEG, COLOURS_FROM_DEG, day.elevation_deg),
     haze: times([0.00042, 0.0006, 0.00092], 0.75 + 0.35 * look.haziness + 0.9 * morning + 0.3 * dusk),
     mist: DENSE_MIST * look.mist * morning,
     weather: CLEAR_WEATHER,

@@ -60,7 +60,7 @@ void main() {
     colour = mix(colour, cloud, mix(0.93, 1.0, uClosed) * cover);
   }
   if (uMist.x > 0.0) colour = mix(hazeColour(direction), colour, exp(-mistDepth(direction, 4000.0)));
-  gl_FragColor = vec4(colour, 1.0);
+  gl_FragColor = vec4(seenByNight(colour), 1.0);
   #include <tonemapping_fragment>
   #include <colorspace_fragment>
 }
