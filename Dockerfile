@@ -1,6 +1,6 @@
 # syntax=docker/dockerfile:1@sha256:87999aa3d42bdc6bea60565083ee17e86d1f3339802f543c0d03998580f9cb89
 # The page is built with Node and packed into the wheel; the last stage installs that wheel beside the locked
-# packages, and holds neither npm nor a compiler nor the sources.
+# packages, and holds neither npm nor a compiler nor the sources. Node itself is in it: it grows trees.
 # One image serves as server, scheduler and worker.
 
 FROM node:24-bookworm-slim@sha256:6f7b03f7c2c8e2e784dcf9295400527b9b1270fd37b7e9a7285cf83b6951452d AS page
@@ -33,13 +33,16 @@ RUN pip wheel --no-deps --no-build-isolation --wheel-dir /wheel .
 
 FROM python:3.11-slim-bookworm@sha256:a36c24f9cbdf4fd0f52d67f0823eeac19c2028c637cecc392d97f980d4fec56b
 ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
-# libraries that VTK (used by pytetwild through pyvista) and OpenMP need
+# libraries that VTK (used by pytetwild through pyvista), OpenMP and Node need
 # hadolint ignore=DL3008
 RUN apt-get update \
-    && apt-get install --yes --no-install-recommends libgl1 libgomp1 libxrender1 libxext6 libx11-6 \
+    && apt-get install --yes --no-install-recommends \
+        libgl1 libgomp1 libxrender1 libxext6 libx11-6 libatomic1 libstdc++6 \
     && rm -rf /var/lib/apt/lists/* \
     && useradd --no-create-home --uid 10001 galewood \
     && install --directory --owner=galewood /data
+COPY --from=page /usr/local/bin/node /usr/local/bin/node
+RUN node --version
 WORKDIR /opt/galewood
 RUN python -m venv /opt/galewood
 ENV PATH=/opt/galewood/bin:$PATH
