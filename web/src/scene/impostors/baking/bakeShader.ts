@@ -98,16 +98,16 @@ vec2 octahedron(vec3 n) {
 /** How far a place lies behind the leaves around it: in the gaps between tufts, less light arrives. 0 to 1. */
 float hollowness(ivec2 at, float depth) {
   ivec2 size = textureSize(uColour, 0);
-  int stride = max(1, size.x / 72);
+  int stride = max(1, size.x / 48);
   float ahead = 0.0;
-  for (int y = -3; y <= 3; y++) {
-    for (int x = -3; x <= 3; x++) {
+  for (int y = -2; y <= 2; y++) {
+    for (int x = -2; x <= 2; x++) {
       ivec2 place = clamp(at + stride * ivec2(x, y), ivec2(0), size - 1);
       if (texelFetch(uColour, place, 0).a < 0.5) continue;
       ahead += clamp(texelFetch(uSurface, place, 0).z - depth - 0.004, -0.02, 0.06);
     }
   }
-  return clamp(ahead * 0.68, 0.0, 1.0);
+  return clamp(ahead * 1.33, 0.0, 1.0);
 }
 void main() {
   ivec2 first = (ivec2(gl_FragCoord.xy) - uFrom) * uBlock;
