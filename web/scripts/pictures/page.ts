@@ -11,6 +11,7 @@ export const LARGE_VIEWPORT = { width: 1200, height: 675 };
 export const TINY_VIEWPORT = { width: 96, height: 54 };
 export const PATIENCE_MS = 900_000;
 const STEP_S = 0.05;
+const MOST_BAKING_FRAMES = 900;
 const QUALITIES = [84, 78, 70, 60];
 const MOST_BYTES = 300_000;
 
@@ -23,8 +24,19 @@ export async function forest(page: Page, query: string): Promise<void> {
   await page.waitForFunction(
     () => window.galewood?.allPlanted && window.galewood.trees.still === 0 && window.galewood.time_s > 0,
   );
-  await page.waitForFunction(() => window.galewood?.statistics.impostors.ready);
   await page.evaluate(() => window.galewood?.sleep(true));
+  await bakeImpostors(page);
+}
+
+/** Waits until distant trees have their pictures, a few of which are made per frame. Meanwhile only sky is seen, which is drawn fast. */
+async function bakeImpostors(page: Page): Promise<void> {
+  await page.evaluate(async (mostFrames) => {
+    window.galewood?.look({ x: 0, above: 400, z: 0 }, { x: 200, above: 500, z: 0 });
+    for (let k = 0; k < mostFrames; k++) {
+      await window.galewood?.step(0);
+      if (window.galewood?.statistics.impostors.ready) return;
+    }
+  }, MOST_BAKING_FRAMES);
 }
 
 /** Advances by `count` time steps without drawing. */
@@ -39,18 +51,14 @@ export async function steps(page: Page, count: number, dt_s = STEP_S): Promise<v
 
 export async function dress(page: Page, { season, daytime, eye, at, wind }: Shot): Promise<void> {
   await page.evaluate(
-    async ({ season, daytime, eye, at, wind }) => {
+    ({ season, daytime, wind }) => {
       if (wind) window.galewood?.setWind(wind);
       window.galewood?.dress(season, daytime);
-      window.galewood?.look(eye, at);
-      // Where winter begins or ends, distant trees are drawn anew in the next frames.
-      for (let k = 0; k < 400; k++) {
-        await window.galewood?.step(0);
-        if (window.galewood?.statistics.impostors.ready) break;
-      }
     },
-    { season, daytime, eye, at, wind },
+    { season, daytime, wind },
   );
+  await bakeImpostors(page); // where winter begins or ends, once more
+  await page.evaluate(({ eye, at }) => window.galewood?.look(eye, at), { eye, at });
 }
 
 /** Resizes the viewport and waits for the layout. */
