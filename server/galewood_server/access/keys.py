@@ -14,7 +14,9 @@ from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
 WRITE_METHODS = frozenset({"POST", "PUT", "PATCH", "DELETE"})
-READ_ONLY_POSTS = frozenset({"/api/winds/validate", "/api/convert", "/api/stand-risk"})
+READ_ONLY_POSTS = frozenset(
+    {"/api/winds/validate", "/api/convert", "/api/stand-risk", "/api/individuals/find"}
+)
 """POST only because of their bodies."""
 FORWARDED_HEADERS = frozenset(
     {

@@ -59,9 +59,19 @@ DELETE_IT = "Delete it (DELETE /api/trees/{id}), which also deletes its jobs, th
 
 def tree_out(tree: Tree) -> TreeOut:
     """The response model of a tree. ProblemError 500 if it cannot be serialised: nothing is then stored."""
+    return serialisable(TreeOut(**_stored(tree, TreeOut)))
+
+
+def summary_out(tree: Tree) -> TreeSummary:
+    """The response model of a tree without its report."""
+    return TreeSummary(**_stored(tree, TreeSummary))
+
+
+def _stored(tree: Tree, model: type[TreeSummary]) -> dict[str, Any]:
+    """The fields of a response model of a tree."""
     job = tree.job
-    fields = {name: getattr(tree, name) for name in TreeOut.model_fields if name != "job_id"}
-    return serialisable(TreeOut(**fields, job_id=job.id if job else None))
+    fields = {name: getattr(tree, name) for name in model.model_fields if name != "job_id"}
+    return {**fields, "job_id": job.id if job else None}
 
 
 def job_out(job: Job) -> JobOut:

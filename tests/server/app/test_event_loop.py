@@ -115,6 +115,10 @@ def largest_inputs() -> dict[str, Requests]:
     return {
         "POST /api/trees": uploads(),
         "POST /api/individuals": [*bodies(), {"json": {"species": "oak", "seed": 1, "height_m": 14}}],
+        "POST /api/individuals/find": [
+            *bodies(),
+            {"json": {"individuals": [{"species": "oak", "seed": k, "height_m": 14} for k in range(64)]}},
+        ],
         "GET /api/trees": page,
         "GET /api/trees/{tree_id}": plain,
         "PATCH /api/trees/{tree_id}": bodies(),

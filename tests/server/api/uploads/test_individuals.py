@@ -13,10 +13,12 @@ from galewood.constants import TABLE_VERSION
 from galewood.packaged import species_folder
 from galewood.table import read_metadata
 from galewood.util import glb_parts
+from galewood_server.access import new_key
 
 from tests.server.support.server_process import NO_CLUSTER, Server, wait_until
 
 ADDRESS = "/api/individuals"
+FIND = f"{ADDRESS}/find"
 APRICOT = {"species": "apricot", "seed": 3, "height_m": 9.0, "dbh_cm": 25.0}
 SLENDER = {"species": "birch", "form": "forest", "seed": 4, "height_m": 90.0, "nearest_size": True}
 Start = Callable[..., Server]
@@ -48,6 +50,11 @@ def test_an_individual_is_made_once_and_is_as_light_as_its_built_in_tree(start_s
         assert tree["height_m"] == pytest.approx(9.0, rel=1e-3)
         jobs = api.get("/api/jobs", params={"tree_id": tree["id"]}).json()
         assert [job["state"] for job in jobs["jobs"]] == ["done"]
+        found = api.post(FIND, json={"individuals": [{**APRICOT, "seed": 4}, APRICOT]}).json()
+        assert found == {
+            "trees": [None, {key: tree[key] for key in tree if key != "report"}],
+            "cannot_grow": None,
+        }
         again = api.post(ADDRESS, json=APRICOT)
         assert (again.status_code, again.json()["id"]) == (200, tree["id"])
         assert api.get("/api/jobs").json()["total"] == 1
@@ -72,7 +79,17 @@ def test_an_individual_is_made_once_and_is_as_light_as_its_built_in_tree(start_s
         assert api.delete(f"/api/trees/{tree['id']}").status_code == 204
         assert not list((server.data_dir / "cache" / "light").glob("*.glb"))
         assert not [path for path in (server.data_dir / "meshes").rglob("*") if path.is_file()]
+        assert api.post(FIND, json={"individuals": [APRICOT]}).json()["trees"] == [None]
         assert api.post(ADDRESS, json=APRICOT).status_code == 202
+        # one that is being made is not found yet
+        assert api.post(FIND, json={"individuals": [APRICOT]}).json()["trees"] == [None]
+
+
+def test_whoever_has_no_key_finds_trees_but_makes_none(start_server: Start) -> None:
+    with start_server(**NO_CLUSTER, GALEWOOD_API_KEYS=new_key()[1]).client() as api:
+        assert api.post(ADDRESS, json=APRICOT).status_code == 401
+        found = api.post(FIND, json={"individuals": [APRICOT]})
+        assert (found.status_code, found.json()) == (200, {"trees": [None], "cannot_grow": None})
 
 
 def test_a_size_that_no_tree_has_becomes_the_nearest_or_fails_with_a_sentence(start_server: Start) -> None:
@@ -100,8 +117,9 @@ def test_a_size_that_no_tree_has_becomes_the_nearest_or_fails_with_a_sentence(st
 )  # fmt: skip
 def test_what_cannot_be_asked_for_is_refused(server: Server, wrong: dict[str, Any], status: int) -> None:
     with server.client() as api:
-        answer = api.post(ADDRESS, json=APRICOT | wrong)
-        assert (answer.status_code, answer.json()["hint"] != "") == (status, True), answer.text
+        for path, body in ((ADDRESS, APRICOT | wrong), (FIND, {"individuals": [APRICOT | wrong]})):
+            answer = api.post(path, json=body)
+            assert (answer.status_code, answer.json()["hint"] != "") == (status, True), answer.text
 
 
 def without_node(folder: Path) -> str:
@@ -116,6 +134,9 @@ def test_without_node_the_answer_says_what_to_install(start_server: Start, tmp_p
         assert (answer.status_code, answer.json()["code"]) == (503, "cannot-grow")
         assert "Install Node 20 or newer" in answer.json()["hint"]
         assert api.get("/api/trees").json()["total"] == 0
+        found = api.post(FIND, json={"individuals": [APRICOT]}).json()
+        assert found["trees"] == [None]
+        assert "Install Node 20 or newer" in found["cannot_grow"]
 
 
 def test_the_quota_counts_trees_before_they_are_made(start_server: Start, tmp_path: Path) -> None:

@@ -150,6 +150,13 @@ export interface Schemas {
     /** Seed of the winds, their gusts, and the tree's place. */
     seed?: number;
   };
+  /** Which individuals are here, and whether this server could grow the others. */
+  FoundIndividuals: {
+    /** Those asked for, in their order; null: it is not here, or not made yet. */
+    trees: (Schemas["TreeSummary"] | null)[];
+    /** Why this server grows no trees; null: it can. */
+    cannot_grow: string | null;
+  };
   /** Response of /healthz. */
   Health: {
     status: string;
@@ -304,6 +311,10 @@ export interface Schemas {
   Skipped: {
     line: number;
     reason: string;
+  };
+  /** Body of POST /api/individuals/find. */
+  SoughtIndividuals: {
+    individuals: Schemas["IndividualOrder"][];
   };
   /** The stems of an inventory in wind, what was assumed, and what this is not (`caution`). */
   StandRiskOut: {
