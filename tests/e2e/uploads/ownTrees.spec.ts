@@ -1,6 +1,6 @@
-/** Trees that the server grows for the stems of an inventory. */
+/** Trees that the server grows for the stems of an inventory, and for the generated forest. */
 import type { Page } from "@playwright/test";
-import { expect, open, SMALL, test } from "../forest";
+import { expect, open, SMALL, test, visitor } from "../forest";
 
 test.use({ viewport: { width: 800, height: 600 }, deviceScaleFactor: 0.4 });
 
@@ -24,7 +24,7 @@ interface Listed {
 
 const grownTrees = async (page: Page) =>
   ((await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as Listed).trees.filter(({ grown }) => grown);
-const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood!.planted(tree), id);
+const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood?.planted(tree), id);
 
 test("stems get trees of their own, and their built-in ones back", async ({ page, quiet }) => {
   await page.route("**/api/inventory", (route) => route.fulfill({ json: { version: 1, stems: STEMS } }));
@@ -74,7 +74,56 @@ test("a server that cannot grow trees says why", async ({ page, quiet }) => {
   await open(page, `${SHOWN}&inventory=api/inventory`);
   const card = page.getByRole("article", { name: "Forest from an inventory" });
   await card.getByRole("button", { name: "Grow own trees" }).click();
-  await expect(page.getByText("Install Node 20 or newer.")).toBeVisible();
+  await expect(card.getByText("Install Node 20 or newer.")).toBeVisible();
+  await expect(card.getByRole("button", { name: "Try again" })).toBeVisible();
+  await card.getByRole("button", { name: "Use the built-in trees" }).click();
   await expect(card.getByRole("button", { name: "Grow own trees" })).toBeVisible();
   expect(quiet.splice(0)).toEqual([expect.stringContaining("503")]);
+});
+
+test("a link has trees grown for the generated forest, and finds them the next time", async ({ page, browser }) => {
+  const own = `${SHOWN.replace("trees=6", "trees=40")}&forest=${1000 + Math.floor(8000 * Math.random())}`;
+  await open(page, `${own}&own=4`);
+  await expect.poll(() => page.evaluate(() => window.galewood?.trees.moving ?? 0)).toBe(40);
+  const card = page.getByRole("article", { name: "Own trees" });
+  const settings = page.locator(".own-trees-state");
+
+  // cancelled: the forest stays as it is, and nothing stays on the server
+  await card.getByRole("button", { name: "Cancel" }).click();
+  await expect(card).toBeHidden();
+  await expect.poll(async () => (await grownTrees(page)).filter(({ state }) => state !== "ready")).toEqual([]);
+  const before = (await grownTrees(page)).length;
+  expect(await planted(page, "poplar")).toBe(40);
+  expect(new URL(page.url()).searchParams.has("own")).toBe(false);
+
+  await page.getByRole("button", { name: "Settings" }).click();
+  await page.locator("#panel").getByLabel("Own trees", { exact: true }).fill("2");
+  await page.keyboard.press("Enter");
+  await expect(settings).toContainText("2 trees of their own stand for 40 of 40 trees.", { timeout: 120_000 });
+  expect(new URL(page.url()).searchParams.get("own")).toBe("2");
+  await expect.poll(() => planted(page, "poplar")).toBe(0);
+  const grown = (await grownTrees(page)).slice(before);
+  expect(grown.map(({ state }) => state)).toEqual(["ready", "ready"]);
+  const counts = await Promise.all(grown.map(({ id }) => planted(page, id)));
+  expect(Math.min(...counts)).toBeGreaterThan(0);
+  expect(counts[0] + counts[1]).toBe(40);
+  expect(await page.evaluate(() => window.galewood!.trees.moving)).toBe(40);
+
+  // the same link in another visit
+  const asked: string[] = [];
+  page.on("request", (request) => asked.push(`${request.method()} ${new URL(request.url()).pathname}`));
+  await page.reload();
+  await expect.poll(async () => Promise.all(grown.map(({ id }) => planted(page, id)))).toEqual(counts);
+  expect(asked).not.toContain("POST /api/individuals");
+  expect(await grownTrees(page)).toHaveLength(before + 2);
+
+  // shared: who joins with other settings has the same trees
+  const share = `share=own-${Date.now()}`;
+  await open(page, `${new URL(page.url()).search.slice(1)}&${share}`);
+  await expect.poll(async () => Promise.all(grown.map(({ id }) => planted(page, id)))).toEqual(counts);
+  const other = await visitor(browser);
+  await open(other, `${SMALL}&${share}`);
+  await expect.poll(async () => Promise.all(grown.map(({ id }) => planted(other, id)))).toEqual(counts);
+  expect(new URL(other.url()).searchParams.get("own")).toBe("2");
+  await other.close();
 });

@@ -9,6 +9,7 @@ import {
   formOf,
   type Individual,
   nearestIndividual,
+  sizeOfStem,
   spread,
   treesToGrow,
 } from "../../../web/src/scene/individuals";
@@ -102,16 +103,17 @@ describe("a stem", () => {
   test("is shown by the nearest tree of its species and form", () => {
     const stems = stand(seededRandom(44), 300);
     const grown = individuals(stems, 30);
-    const nearest = nearestIndividual(grown, "place");
+    const nearest = nearestIndividual(grown);
     for (const stem of stems) {
       const alike = grown.filter(
         (tree) => tree.species === stem.builtin && tree.form === (stem.slender ? "forest" : "open"),
       );
-      const found = nearest(stem);
+      const size = sizeOfStem(stem, "place");
+      const found = nearest(size);
       expect(found).not.toBeNull();
-      for (const tree of alike) expect(distance(stem, found!)).toBeLessThanOrEqual(distance(stem, tree));
+      for (const tree of alike) expect(distance(size, found!)).toBeLessThanOrEqual(distance(size, tree));
     }
-    expect(nearest({ ...stems[0], builtin: "willow" })).toBeNull();
+    expect(nearest({ ...sizeOfStem(stems[0], "place"), species: "willow" })).toBeNull();
   });
 
   test("has its height, and keeps its built-in tree until all others have arrived", () => {

@@ -16,8 +16,10 @@ import { FrameLoop } from "./forest/frameLoop";
 import { FrameStatistics } from "./forest/frameStatistics";
 import { Planting } from "./forest/planting";
 import { World } from "./forest/world";
+import { makeGrowthCard } from "./individuals/growthPlaces";
+import { Individuals } from "./individuals/individuals";
 import { InventoryPlanting } from "./inventory/inventoryPlanting";
-import { OwnTreesOfStems } from "./inventory/ownTreesOfStems";
+import { OwnTreesCard } from "./inventory/ownTreesCard";
 import { TreeOverlays } from "./overlays/treeOverlays";
 import { PaperMethod } from "./paper/paperMethod";
 import { PhysicsCards } from "./physics/physicsCards";
@@ -79,7 +81,10 @@ export function openPage(
   // The forest. Subscribers to one value are told in the order in which they are made.
   const paper = new PaperMethod(store, catalogue, world.client);
   const inventory = new InventoryPlanting(store, world);
-  new OwnTreesOfStems(store, catalogue, inventory.card);
+  const individuals = new Individuals(store, catalogue);
+  const growth = individuals.tools;
+  inventory.card.append(new OwnTreesCard(store, growth).root);
+  makeGrowthCard(store, growth);
   new Planting(store, world, catalogue, paper);
 
   // What the visitor does with it.
@@ -111,7 +116,7 @@ export function openPage(
   followAttention(store.state, retry);
   const meter = new FrameStatistics();
   const status = new StatusReport(store, world, catalogue, meter, retry);
-  const panel = new Panel(store, catalogue, paper, meter.statistics);
+  const panel = new Panel(store, catalogue, paper, growth, meter.statistics);
   new SceneryBar(store.settings);
   new ProgressCards(ownTrees, catalogue, world);
   const card = new PickedCard(store, picker, catalogue, paper, {

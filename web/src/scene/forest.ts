@@ -65,6 +65,12 @@ export interface PickedTree {
   readonly distance_m: number;
 }
 
+/** A tree at its place. */
+export interface PlantedTree {
+  readonly asset: TreeAsset;
+  readonly place: Placement;
+}
+
 export interface PlacementOptions {
   /** Relative to the default. */
   readonly density?: number;
@@ -76,6 +82,8 @@ export interface PlacementOptions {
   readonly grows?: (asset: TreeAsset) => boolean;
   /** Further places of single trees, by id. */
   readonly single?: Readonly<Record<string, Placement>>;
+  /** What is planted in place of the tree that was chosen for a place; that one if omitted. */
+  readonly instead?: (asset: TreeAsset, place: Placement) => PlantedTree;
 }
 
 /**
@@ -95,11 +103,16 @@ export function placeForest(
     season = "autumn",
     grows = () => true,
     single = {},
+    instead = (asset, place) => ({ asset, place }),
   } = options;
   const places = placeTrees(count, seed, density);
-  const planted = plant(assets.filter(grows), places, shares, form);
-  const placesOf = (asset: TreeAsset) => places.filter((_, i) => planted[i] === asset);
-  return placedSpecies(assets, placesOf, single, season);
+  const placed = new Map<TreeAsset, Placement[]>(assets.map((asset) => [asset, []]));
+  plant(assets.filter(grows), places, shares, form).forEach((chosen, k) => {
+    if (!chosen) return;
+    const { asset, place } = instead(chosen, places[k]);
+    placed.get(asset)?.push(place);
+  });
+  return placedSpecies(assets, (asset) => placed.get(asset) ?? [], single, season);
 }
 
 /** Beside the axis of a view a tree may stand this far, relative to its distance along the axis, to be in the picture, also of an upright phone. */

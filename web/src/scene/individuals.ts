@@ -1,4 +1,4 @@
-/** Which trees to grow for the stems of an inventory, and which of them stands for a stem. Pure. */
+/** Which trees to grow for the stems of an inventory, and which of them stands for a tree of a size. Pure. */
 
 import type { Stem } from "galewood/inventory";
 import type { TreeAsset } from "./forest";
@@ -24,6 +24,9 @@ export interface Individual extends Size {
   readonly id: string;
 }
 
+/** Most trees that are grown for one forest: a server holds at most 64 tables in one, and 24 are of built-in trees. */
+export const MOST_OWN_TREES = 40;
+
 /** Sizes are rounded, so that inventories that differ by less than can be seen share trees. */
 const HEIGHT_STEP_M = 0.1;
 const DBH_STEP_CM = 0.5;
@@ -36,7 +39,15 @@ export const formOf = ({ slender }: Stem, form: FormChoice): Form => {
   return slender ? "forest" : "open";
 };
 
-const kindOfStem = (stem: Stem, form: FormChoice): string => `${stem.builtin} ${formOf(stem, form)}`;
+/** The size of a stem in the form in which it is planted. */
+export const sizeOfStem = (stem: Stem, form: FormChoice): Size => ({
+  species: stem.builtin,
+  form: formOf(stem, form),
+  height_m: stem.height_m,
+  dbh_cm: stem.dbh_cm ?? null,
+});
+
+const kindOfSize = ({ species, form }: Size): string => `${species} ${form}`;
 
 function grouped<T>(all: readonly T[], keyOf: (one: T) => string): Map<string, T[]> {
   const groups = new Map<string, T[]>();
@@ -50,8 +61,11 @@ function grouped<T>(all: readonly T[], keyOf: (one: T) => string): Map<string, T
 }
 
 /** The stems by species and form, most stems first. */
-function kindsOfStems(stems: readonly Stem[], form: FormChoice): Stem[][] {
-  const kinds = grouped(stems, (stem) => kindOfStem(stem, form));
+function kindsOfStems(stems: readonly Stem[], form: FormChoice): Size[][] {
+  const kinds = grouped(
+    stems.map((stem) => sizeOfStem(stem, form)),
+    kindOfSize,
+  );
   return [...kinds.values()].sort((a, b) => b.length - a.length);
 }
 
@@ -80,35 +94,35 @@ export function treesToGrow(stems: readonly Stem[], budget: number, form: FormCh
   );
   return kinds.flatMap((kind, k) => {
     const bySize = kind.toSorted((a, b) => a.height_m - b.height_m || (a.dbh_cm ?? 0) - (b.dbh_cm ?? 0));
-    return Array.from({ length: counts[k] }, (_, at) => {
-      const { builtin, height_m, dbh_cm, ...stem } =
-        bySize[Math.floor(((at + 0.5) * bySize.length) / counts[k])];
-      return {
-        species: builtin,
-        form: formOf({ builtin, height_m, ...stem }, form),
-        seed: at + 1,
-        height_m: rounded(height_m, HEIGHT_STEP_M),
-        dbh_cm: dbh_cm ? rounded(dbh_cm, DBH_STEP_CM) : null,
-      };
-    });
+    return Array.from({ length: counts[k] }, (_, at) =>
+      orderOf(bySize[Math.floor(((at + 0.5) * bySize.length) / counts[k])], at + 1),
+    );
   });
 }
 
-/** How far a stem is from a tree: ratios of heights and of diameters, where both are known. */
-export function distance(stem: Pick<Stem, "height_m" | "dbh_cm">, tree: Size): number {
-  const tall = Math.log(stem.height_m / tree.height_m);
-  const thick = stem.dbh_cm && tree.dbh_cm ? Math.log(stem.dbh_cm / tree.dbh_cm) : 0;
+/** The tree to grow for a size, which is rounded. */
+export const orderOf = ({ species, form, height_m, dbh_cm }: Size, seed: number): Order => ({
+  species,
+  form,
+  seed,
+  height_m: rounded(height_m, HEIGHT_STEP_M),
+  dbh_cm: dbh_cm ? rounded(dbh_cm, DBH_STEP_CM) : null,
+});
+
+/** How far a size is from that of a tree: ratios of heights and of diameters, where both are known. */
+export function distance(wanted: Pick<Size, "height_m" | "dbh_cm">, tree: Size): number {
+  const tall = Math.log(wanted.height_m / tree.height_m);
+  const thick = wanted.dbh_cm && tree.dbh_cm ? Math.log(wanted.dbh_cm / tree.dbh_cm) : 0;
   return Math.hypot(tall, thick);
 }
 
-/** A function that gives the tree of its species and form that is nearest to a stem in size; null without one. */
-export function nearestIndividual(individuals: readonly Individual[], form: FormChoice) {
-  const kinds = grouped(individuals, (tree) => `${tree.species} ${tree.form}`);
-  return (stem: Stem): Individual | null => {
-    const kind = kinds.get(kindOfStem(stem, form)) ?? [];
+/** A function that gives the tree of its species and form that is nearest to a size; null without one. */
+export function nearestIndividual(individuals: readonly Individual[]) {
+  const kinds = grouped(individuals, kindOfSize);
+  return (wanted: Size): Individual | null => {
     let [best, least] = [null as Individual | null, Number.POSITIVE_INFINITY];
-    for (const tree of kind) {
-      const away = distance(stem, tree);
+    for (const tree of kinds.get(kindOfSize(wanted)) ?? []) {
+      const away = distance(wanted, tree);
       if (away < least) [best, least] = [tree, away];
     }
     return best;

@@ -9,6 +9,9 @@ export const FOREST_CENTRE = { x_m: 0, z_m: -26 } as const;
 
 const CELL_OFFSET = 512;
 
+/** The height of a tree over that of its model, at a share (0..1) of the trees by height. */
+export const scaleAt = (share: number): number => 0.78 + 0.5 * share ** 1.4;
+
 /** The place of one cell of the lattice. */
 export function placeAt(column: number, row: number, seed: number, spacing_m: number): Placement {
   const at = (channel: number) => hashUnit(seed, column, row, channel);
@@ -17,7 +20,7 @@ export function placeAt(column: number, row: number, seed: number, spacing_m: nu
     x_m: FOREST_CENTRE.x_m + (column + 0.82 * (at(0) - 0.5) + (row & 1) * 0.5) * spacing_m,
     z_m: FOREST_CENTRE.z_m + (row + 0.82 * (at(1) - 0.5)) * spacing_m * 0.9,
     yaw_rad: at(2) * 2 * Math.PI,
-    scale: 0.78 + 0.5 * at(3) ** 1.4,
+    scale: scaleAt(at(3)),
   };
 }
 

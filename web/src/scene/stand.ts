@@ -4,7 +4,7 @@ import { hashUnit } from "galewood/random";
 import type { Placement } from "galewood/trees";
 import type { TreeAsset } from "./forest";
 import { type FormChoice, formAt, kindsOf } from "./forms";
-import { arrivedOf, formOf, type Individual, nearestIndividual } from "./individuals";
+import { arrivedOf, formOf, type Individual, nearestIndividual, sizeOfStem } from "./individuals";
 import { FOREST_CENTRE } from "./placement";
 
 export interface StandOptions {
@@ -52,7 +52,7 @@ export function placeStand(
 }
 
 function treeChooser(assets: readonly TreeAsset[], { form, named, individuals = [] }: StandOptions) {
-  const nearest = nearestIndividual(arrivedOf(individuals, assets), form);
+  const nearest = nearestIndividual(arrivedOf(individuals, assets));
   const kinds = kindsOf(assets.filter(({ builtin }) => builtin));
   const bySpecies = new Map(kinds.map((kind) => [(kind.open ?? kind.forest)?.species, kind]));
   const byId = new Map(assets.map((asset) => [asset.id, asset]));
@@ -64,7 +64,7 @@ function treeChooser(assets: readonly TreeAsset[], { form, named, individuals = 
       uploads.set(stem.species, own);
     }
     if (own) return own;
-    const grown = byId.get(nearest(stem)?.id ?? "");
+    const grown = byId.get(nearest(sizeOfStem(stem, form))?.id ?? "");
     if (grown) return grown;
     // a server may have only some of the species
     const kind = bySpecies.get(stem.builtin) ?? kinds[0];

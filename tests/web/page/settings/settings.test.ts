@@ -26,6 +26,12 @@ describe("settings in the URL", () => {
     expect(settingsFromQuery(`?${queryFromSettings(changed)}`)).toEqual(changed);
   });
 
+  test("the number of own trees is within what a server holds, and is part of the link", () => {
+    const own = (query: string) => settingsFromQuery(query).ownTrees;
+    expect([own(""), own("own=24"), own("own=99"), own("own=-1"), own("own=all")]).toEqual([0, 24, 40, 0, 0]);
+    expect(queryFromSettings({ ...DEFAULTS, ownTrees: 24 })).toBe("own=24");
+  });
+
   test("the method is one of the two known ones", () => {
     const paper = { ...DEFAULTS, method: "paper" as const };
     expect(settingsFromQuery("?method=modal", paper).method).toBe("modal");

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { momentFrom, shareQuery } from "../../../../web/src/page/settings/link";
-import { keep, remembered } from "../../../../web/src/page/settings/storedSettings";
+import { keep, keptOf, remembered } from "../../../../web/src/page/settings/storedSettings";
+import { Store } from "../../../../web/src/page/store/store";
 import { groundHeight_m } from "../../../../web/src/scene/ground/landscape";
 import { leafTint } from "../../../../web/src/scene/season/palette";
 import { chooseSpecies, placeTrees } from "../../../../web/src/scene/placement";
@@ -15,6 +16,7 @@ const SETTINGS: Settings = {
   daytime: 0.9,
   density: 1.4,
   shares: { maple: 0.5, poplar: 0 },
+  ownTrees: 24,
 };
 const MOMENT = {
   eye: [1.25, 9.5, -20.75],
@@ -58,6 +60,14 @@ describe("settings from the last visit", () => {
     });
     keep(SETTINGS, DEFAULTS, shelf);
     expect(remembered(DEFAULTS, shelf)).toEqual(SETTINGS);
+  });
+
+  it("have neither an inventory nor the trees grown for its stems", () => {
+    const store = new Store({ ...SETTINGS, inventory: "api/inventory" }, DEFAULTS, "");
+    store.state.inventory = "loading";
+    expect(keptOf(store)).toEqual({ ...SETTINGS, ownTrees: 0 });
+    store.state.inventory = null;
+    expect(keptOf(store)).toEqual(SETTINGS);
   });
 
   it("fall back to the defaults for invalid, missing or other-version data, or blocked storage", () => {

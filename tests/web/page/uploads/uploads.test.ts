@@ -98,6 +98,70 @@ test("in a shared forest a tree is planted for all once it is loaded, and only t
   expect(sent).toEqual([true, false, false]);
 });
 
+test("in a shared forest own trees are planted for all once they are loaded; until then the page's forest is its own", () => {
+  const store = new Store({ ...settingsWith({}), ownTrees: 1 }, DEFAULTS, "?share=meadow");
+  const { state, settings } = store;
+  const sent: unknown[] = [];
+  const motion = { sha256: "a", stride: 1 } as unknown as TreeAsset["motion"];
+  const moving = { ...ASSETS[0], motion };
+  const catalogue = {
+    isLoaded: true, order: { awaitsFirst: false }, assets: [moving], leafMotion: () => motion, find: () => null,
+    assetChanges: signal(0),
+  };
+  const client = {
+    plan: (groups: { key: string }[], { share }: { share: { replant: boolean; about: unknown } | null }) =>
+      sent.push([groups.map(({ key }) => key).join(), share && share.replant]),
+  };
+  state.growth = { at: "growing", done: 0, all: 1 };
+  new Planting(store, { client, prepare: () => {} } as never, catalogue as never, { arrivals: signal(0) } as never);
+  expect(sent).toEqual([["ash", null]]);
+  settings.density = 1.2; // waits for the trees
+  expect(sent).toHaveLength(1);
+
+  const tree = { id: "own", species: "ash", form: "open", height_m: 8, dbh_cm: null } as const;
+  const own = { ...asset("own", false), species: "ash", motion } as TreeAsset;
+  Object.assign(catalogue, { isLoaded: false, assets: [moving, { ...own, model: null }] });
+  state.individuals = [tree];
+  state.growth = { at: "planted", trees: 1, shown: 200, all: 200 };
+  expect(sent).toHaveLength(1);
+  Object.assign(catalogue, { isLoaded: true, assets: [moving, own] });
+  catalogue.assetChanges.value++;
+  expect(sent.slice(1)).toEqual([["own", true]]);
+
+  // others have chosen none; then this visitor chooses one again, which is refused
+  store.adopt({ ownTrees: 0 });
+  state.individuals = [];
+  settings.ownTrees = 1;
+  state.growth = { at: "growing", done: 0, all: 1 };
+  state.growth = { at: "refused", title: "", hint: "", final: false };
+  expect(sent.slice(2)).toEqual([["ash", false], ["ash", true]]);
+});
+
+test("the own trees of a private forest are planted once, when the last one is loaded", () => {
+  const store = new Store(settingsWith({}), DEFAULTS, "");
+  const { state, settings } = store;
+  const motion = { sha256: "a", stride: 1 } as unknown as TreeAsset["motion"];
+  const moving = { ...ASSETS[0], motion };
+  const individuals = ["own-1", "own-2"].map((id, k) => ({ id, species: "ash", form: "open" as const, height_m: 7 + k, dbh_cm: null }));
+  const own = individuals.map(({ id }) => ({ ...asset(id, false), species: "ash", motion }) as TreeAsset);
+  const catalogue = {
+    isLoaded: true, order: { awaitsFirst: false }, assets: [moving], leafMotion: () => motion, find: () => null,
+    assetChanges: signal(0),
+  };
+  const sent: string[] = [];
+  const client = { plan: (groups: { key: string }[]) => sent.push(groups.map(({ key }) => key).join()) };
+  new Planting(store, { client, prepare: () => {} } as never, catalogue as never, { arrivals: signal(0) } as never);
+  settings.ownTrees = 2;
+  for (const done of [0, 1]) state.growth = { at: "growing", done, all: 2 };
+  Object.assign(catalogue, { isLoaded: false, assets: [moving, own[0], { ...own[1], model: null }] });
+  state.individuals = individuals;
+  catalogue.assetChanges.value++;
+  expect(sent).toEqual(["ash"]);
+  Object.assign(catalogue, { isLoaded: true, assets: [moving, ...own] });
+  catalogue.assetChanges.value++;
+  expect(sent).toEqual(["ash", "own-1,own-2"]);
+});
+
 /** Two species, whose models and tables arrive one after the other; returns how many plans there were before and after a wait. */
 function plantingOf(trees: number, waited: boolean, awaitsFirst = false): number[] {
   const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, "");

@@ -26,15 +26,15 @@ describe("a shared forest in the address", () => {
 });
 
 test("clients exchange only the settings that determine the placement", () => {
-  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, form: "open" as const, method: "paper" as const, wind: PRESETS.still };
+  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, form: "open" as const, ownTrees: 12, method: "paper" as const, wind: PRESETS.still };
   const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
   const taken = foreignPlacement(yours, placementOf(mine));
-  expect(taken).toEqual({ trees: 321, forestSeed: 9, method: "paper", form: "open" });
+  expect(taken).toEqual({ trees: 321, forestSeed: 9, method: "paper", form: "open", ownTrees: 12 });
   expect(foreignPlacement({ ...yours, ...taken }, placementOf(mine))).toEqual({});
   expect(foreignPlacement(yours, {})).toEqual({});
   expect(foreignPlacement(mine, placementOf({ ...mine, inventory: "api/inventory" }))).toEqual({ inventory: "api/inventory" });
-  const { trees, forestSeed, form, method } = DEFAULTS;
-  expect(foreignPlacement(mine, placementOf(DEFAULTS))).toEqual({ trees, forestSeed, form, method });
+  const { trees, forestSeed, form, method, ownTrees } = DEFAULTS;
+  expect(foreignPlacement(mine, placementOf(DEFAULTS))).toEqual({ trees, forestSeed, form, method, ownTrees });
 });
 
 test("a shared forest is asked for by its tables in leaf, whichever ones are played here", () => {

@@ -4,6 +4,8 @@ import { effect } from "@preact/signals-core";
 import { type PlainWind, withinTurn, withPlain } from "galewood/wind";
 import { type BindingParams, type BladeApi, type FolderApi, Pane } from "tweakpane";
 import type { Statistics } from "../forest/frameStatistics";
+import { followSlider } from "../individuals/growthPlaces";
+import type { GrowthTools } from "../individuals/growthView";
 import type { PaperMethod } from "../paper/paperMethod";
 import type { Catalogue } from "../server/catalogue";
 import { type Planted, plantAs, plantedAs } from "../settings/planted";
@@ -42,6 +44,7 @@ export class Panel {
     private readonly store: Store,
     private readonly catalogue: Catalogue,
     private readonly paper: PaperMethod,
+    private readonly growth: GrowthTools,
     statistics: Statistics,
   ) {
     const { pane } = this;
@@ -89,12 +92,12 @@ export class Panel {
   /** Trees are placed again only when the slider is released. */
   private placement(
     folder: FolderApi,
-    key: "trees" | "density" | "forestSeed",
+    key: "trees" | "density" | "forestSeed" | "ownTrees",
     params: BindingParams,
     range: { max?: number } = {},
-  ): void {
+  ): BladeApi {
     const { settings } = this.store;
-    bind(
+    return bind(
       folder,
       { ...params, ...LIMITS[key], ...range },
       () => settings[key],
@@ -126,6 +129,7 @@ export class Panel {
       label: "Tree form",
       options: { "By location": "place", "Open-grown": "open", "Forest-grown": "forest" },
     });
+    const own = this.placement(folder, "ownTrees", { label: "Own trees", format: whole });
     this.choice(folder, "background", { label: "Distant forest" });
     this.choice(folder, "quality", {
       label: "Render quality",
@@ -135,6 +139,7 @@ export class Panel {
       label: "Frame rate",
       options: { "Display rate": LIMITS.frameRateLimit_hz.max, "At most 30": 30, "At most 15": 15 },
     });
+    followSlider(own, this.store, this.growth); // last, as Tweakpane counts the elements before those that it adds
   }
 
   private motion(folder: FolderApi): void {

@@ -3,6 +3,7 @@
 import type { Stem } from "galewood/inventory";
 import { clearingPlace } from "../../scene/clearing";
 import { type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../../scene/forest";
+import { individualsInstead } from "../../scene/forestIndividuals";
 import type { Individual } from "../../scene/individuals";
 import { woodReach_m } from "../../scene/placement";
 import { placeStand } from "../../scene/stand";
@@ -19,19 +20,21 @@ import type { World } from "./world";
 
 /**
  * Places the trees: built-in ones and uploads that are planted among them share the forest, and every planted upload
- * stands in the clearing. Uploads that are still loading take no places, so that the forest has no gaps.
+ * stands in the clearing. Uploads that are still loading take no places, so that the forest has no gaps. `individuals`: the
+ * trees grown for this forest, which stand for built-in ones once all are loaded.
  */
 export function plantForest(
   assets: readonly TreeAsset[],
   settings: Settings,
   stand: PlantedStand | null = null,
+  individuals: readonly Individual[] = [],
 ): PlacedSpecies[] {
   const how = (asset: TreeAsset) => (asset.builtin || !asset.model ? null : plantedAs(settings, asset.id));
   const only = assets.some((asset) => how(asset) === "only");
   const uploads = Object.keys(settings.planted);
   const single = Object.fromEntries(uploads.map((id, k) => [id, clearingPlace(k)]));
   if (stand) {
-    const { stems, named, individuals } = stand;
+    const { stems, named } = stand;
     const places = placeStand(assets, stems, { form: settings.form, named, individuals });
     return placedSpecies(assets, (asset) => places.get(asset) ?? [], single, settings.season);
   }
@@ -39,13 +42,13 @@ export function plantForest(
     ...settings,
     grows: (asset) => (only ? how(asset) === "only" : asset.builtin || how(asset) === "more"),
     single,
+    instead: individualsInstead(individuals, assets),
   });
 }
 
-/** The stems of an inventory, the trees grown for them, and the uploads that have the names of species in it. */
+/** The stems of an inventory, and the uploads that have the names of species in it. */
 export interface PlantedStand {
   readonly stems: readonly Stem[];
-  readonly individuals?: readonly Individual[];
   named(species: string): string | null;
 }
 
@@ -73,9 +76,19 @@ export class Planting {
     paper: PaperMethod,
   ) {
     const { settings, state } = store;
+    // Another number of own trees changes nothing before these are there.
+    const keys = PLACEMENT_KEYS.filter((key) => key !== "ownTrees");
     watch(
-      () => [...PLACEMENT_KEYS.map((key) => settings[key]), state.share, state.inventory],
+      () => [...keys.map((key) => settings[key]), state.share, state.inventory],
       () => this.place(!store.isAdopting),
+    );
+    watch(
+      () => [settings.ownTrees, state.individuals, state.growth] as const,
+      ([number, trees, growth], [numberBefore, treesBefore, growthBefore]) => {
+        this.owed ||= number !== numberBefore && !store.isAdopting;
+        const joins = state.share !== null && growthBefore.at === "growing" && growth.at !== "growing";
+        if (trees !== treesBefore || joins) this.place();
+      },
     );
     watch(
       () => [
@@ -83,7 +96,6 @@ export class Planting {
         settings.quality,
         settings.background,
         catalogue.assetChanges.value,
-        state.individuals,
         paper.arrivals.value,
       ],
       () => this.place(),
@@ -98,18 +110,23 @@ export class Planting {
    */
   private place(replant = false): void {
     const { settings, state, from_s } = this.store;
-    const { share, inventory, individuals } = state;
+    const { inventory, individuals } = state;
     this.owed ||= replant;
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
-    if (share !== null && !this.catalogue.isLoaded) return;
+    if (state.share !== null && !this.catalogue.isLoaded) return;
+    // nor trees that are still growing: until these are there, the others move by themselves
+    const grows = state.share !== null && state.growth.at === "growing";
+    if (grows && this.planted) return;
+    const share = grows ? null : state.share;
     if (inventory === "loading") return;
-    const waits = this.planted && settings.trees > MOST_REPLANTED && !this.catalogue.isLoaded;
+    const large = settings.trees > MOST_REPLANTED || individuals.length > 0;
+    const waits = this.planted && large && !this.catalogue.isLoaded;
     if (waits && !replant) return;
     const { isLoaded, order } = this.catalogue;
     if (!this.planted && !isLoaded && !order.awaitsFirst && this.isPatient()) return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
-    const stand = inventory && { stems: inventory.stems, individuals, named };
-    const placed = plantForest(this.catalogue.assets, settings, stand);
+    const stand = inventory && { stems: inventory.stems, named };
+    const placed = plantForest(this.catalogue.assets, settings, stand, individuals);
     this.planted = placed.some(({ motion }) => motion !== null);
     const { lookup, method, poseEasing } = settings;
     this.world.client.plan(
@@ -131,7 +148,7 @@ export class Planting {
         }),
     );
     this.world.prepare(placed);
-    this.owed = false;
+    this.owed &&= grows;
   }
 
   private isPatient(): boolean {

@@ -34,7 +34,7 @@ export class InventoryPlanting {
     this.card = makeInventoryCard(store.state, {
       report: showInventory,
       look: (inventory) => this.look(inventory),
-      remove: () => this.plant(null, ""),
+      remove: () => this.replace(null),
     });
     watch(
       () => [settings.inventory],
@@ -69,8 +69,14 @@ export class InventoryPlanting {
       return;
     }
     const found = namedInventory(inventory, file.name, file);
-    this.plant(found, "");
+    this.replace(found);
     showInventory(found);
+  }
+
+  /** Plants the stems of a file, or none. Trees that were grown for the former ones do not suit them. */
+  private replace(inventory: NamedInventory | null): void {
+    this.store.settings.ownTrees = 0;
+    this.plant(inventory, "");
   }
 
   private plant(inventory: NamedInventory | null, address: string): void {

@@ -1,89 +1,68 @@
 /** Part of the inventory's card: how many trees are grown for its stems, what that costs, and how far it is. */
 
-import { ProgressBar } from "../progress/progressBar";
-import { make, makeButton, write } from "../ui/dom";
+import { effect } from "@preact/signals-core";
+import { MOST_OWN_TREES } from "../../scene/individuals";
+import { costsOf, type GrowthTools, GrowthView } from "../individuals/growthView";
+import type { Store } from "../store/store";
+import { make, write } from "../ui/dom";
 
-/** Most trees that are grown for one inventory: a server holds at most 64 tables in a forest. */
-const MOST_TREES = 40;
 const USUAL_TREES = 12;
-/** Measured (docs/design/0036-individuals.md): time of one core; light mesh and table, whose pictures are there. */
-const SECONDS_PER_TREE = 7;
-const MEGABYTES_PER_TREE = 0.44;
 
-export interface OwnTreesTools {
-  grow(budget: number): void;
-  cancel(): void;
-  /** Back to the built-in trees. */
-  leave(): void;
+export interface OwnTreesTools extends Omit<GrowthTools, "again"> {
+  grow(number: number): void;
 }
-
-/** Which part is shown: the offer, the progress, or what was planted. */
-export type OwnTreesState =
-  | { readonly at: "offer"; readonly stems: number }
-  | { readonly at: "growing"; readonly done: number; readonly all: number }
-  | { readonly at: "planted"; readonly trees: number; readonly shown: number; readonly stems: number };
 
 export class OwnTreesCard {
   readonly root = make("form", "", "own-trees");
-  private readonly budget = make("input");
+  private readonly view: GrowthView;
+  private readonly number = make("input");
   private readonly label = make("label");
-  private readonly words = make("p");
-  private readonly bar = new ProgressBar("Growing own trees");
-  private readonly grow = make("button", "Grow own trees");
-  private readonly cancel: HTMLButtonElement;
-  private readonly leave: HTMLButtonElement;
-  private stems = 0;
+  private readonly growButton = make("button", "Grow own trees");
 
-  constructor(tools: OwnTreesTools) {
-    const { root, budget, grow, label } = this;
-    budget.type = "number";
-    Object.assign(budget, { min: "1", max: String(MOST_TREES), step: "1", required: true });
-    budget.value = String(USUAL_TREES);
-    budget.addEventListener("input", () => this.sayCosts());
-    label.append(make("span", "Trees"), budget);
-    grow.type = "submit";
-    this.cancel = makeButton("Cancel", () => tools.cancel());
-    this.leave = makeButton("Use the built-in trees", () => tools.leave());
+  constructor(
+    private readonly store: Pick<Store, "settings" | "state">,
+    tools: OwnTreesTools,
+  ) {
+    const { root, number, growButton, label } = this;
+    number.type = "number";
+    Object.assign(number, { min: "1", max: String(MOST_OWN_TREES), step: "1", required: true });
+    number.value = String(store.settings.ownTrees || USUAL_TREES);
+    number.addEventListener("input", () => this.sayCosts());
+    label.append(make("span", "Trees"), number);
+    growButton.type = "submit";
+    const grow = () => tools.grow(number.valueAsNumber);
     root.addEventListener("submit", (event) => {
       event.preventDefault();
-      tools.grow(budget.valueAsNumber);
+      grow();
     });
-    this.words.setAttribute("role", "status");
+    this.view = new GrowthView("stems", { ...tools, again: grow });
     const row = make("div", "", "picked-tools");
-    row.append(label, grow, this.cancel, this.leave);
-    root.append(this.words, this.bar.root, row);
+    row.append(label, growButton, ...this.view.buttons);
+    root.append(this.view.words, this.view.bar.root, row);
+    effect(() => this.show());
   }
 
-  show(state: OwnTreesState): void {
-    const { at } = state;
-    this.label.hidden = this.grow.hidden = at !== "offer";
-    this.bar.root.hidden = this.cancel.hidden = at !== "growing";
-    this.leave.hidden = at !== "planted";
-    if (at === "offer") {
-      this.stems = state.stems;
-      this.sayCosts();
-    } else if (at === "growing") {
-      this.bar.show(state.done / state.all);
-      write(this.words, `Growing trees of their own: ${state.done} of ${state.all}`);
-    } else {
-      write(
-        this.words,
-        `${state.trees} trees of their own stand for ${state.shown} of ${state.stems} stems.`,
-      );
-    }
+  private show(): void {
+    const { state } = this.store;
+    const { inventory, growth, connected } = state;
+    // without a server nothing can be grown
+    this.root.hidden = inventory === null || inventory === "loading" || !connected;
+    this.view.show(growth);
+    this.label.hidden = this.growButton.hidden = growth.at !== "none";
+    if (growth.at === "none") this.sayCosts();
   }
 
   private sayCosts(): void {
-    const { budget, stems } = this;
-    if (!budget.validity.valid) {
-      write(this.words, `Choose 1 to ${MOST_TREES} trees.`);
-      return;
+    const { number, store } = this;
+    const { inventory } = store.state;
+    if (inventory === null || inventory === "loading") return;
+    const { words } = this.view;
+    if (!number.validity.valid) write(words, `Choose 1 to ${MOST_OWN_TREES} trees.`);
+    else {
+      const trees = Math.min(number.valueAsNumber, inventory.stems.length);
+      const offer =
+        "Two trees of each species stand for all stems. The server can grow more, each nearest in size to some stems:";
+      write(words, `${offer} ${costsOf(trees)}`);
     }
-    const trees = Math.min(budget.valueAsNumber, stems);
-    write(
-      this.words,
-      "Two trees of each species stand for all stems. The server can grow more, each nearest in size to some stems: " +
-        `${trees} trees take ${SECONDS_PER_TREE * trees} s of its processors, and ${(MEGABYTES_PER_TREE * trees).toFixed(1)} MB to load.`,
-    );
   }
 }

@@ -119,7 +119,7 @@ export class PickedCard {
       return row;
     });
     this.list.replaceChildren(...rows);
-    this.planted.root.hidden = tree.builtin;
+    this.planted.root.hidden = tree.builtin || tree.grown === true;
     this.planted.show(plantedAs(this.store.settings, tree.id));
     this.showState(known);
   }

@@ -85,15 +85,19 @@ async function send(
   }
 }
 
-/** Sends a request; throws a Problem on failure. Only requests that change something carry the key. */
+/**
+ * Sends a request; throws a Problem on failure. Only requests that change something carry the key, for which the visitor
+ * is asked unless `asks` is false.
+ */
 export async function fetchApi(
   path: string,
   init?: RequestInit,
   by: Send = (to, given) => fetch(to, given),
+  asks = true,
 ): Promise<Response> {
   const writes = init?.method !== undefined && init.method !== "GET";
   let response = await send(by, path, init, writes ? keys.known() : null);
-  if (response.status === 401) {
+  if (response.status === 401 && asks) {
     const key = await keys.ask();
     if (key) response = await send(by, path, init, key);
   }
@@ -117,30 +121,41 @@ export async function fetchTree(id: string): Promise<ReportedTree> {
   return (await (await fetchApi(`api/trees/${encodeURIComponent(id)}`)).json()) as ReportedTree;
 }
 
-/** Asks for an individual of a built-in species, which a job makes unless it is there. */
-export async function growIndividual(order: IndividualOrder): Promise<Tree> {
-  const init = {
-    method: "POST",
-    headers: { "content-type": "application/json" },
-    body: JSON.stringify(order),
-  };
-  return (await (await fetchApi("api/individuals", init)).json()) as Tree;
+const jsonBody = (body: unknown): RequestInit => ({
+  method: "POST",
+  headers: { "content-type": "application/json" },
+  body: JSON.stringify(body),
+});
+
+/** An individual as the page asks for it: always of a size that its species can have. */
+const ofNearestSize = (order: IndividualOrder): IndividualOrder => ({ ...order, nearest_size: true });
+
+/**
+ * Asks for an individual of a built-in species, which a job makes unless it is there. `asks`: whether the visitor may be
+ * asked for the key of the server.
+ */
+export async function growIndividual(order: IndividualOrder, asks: boolean): Promise<Tree> {
+  const init = jsonBody(ofNearestSize(order));
+  return (await (await fetchApi("api/individuals", init, undefined, asks)).json()) as Tree;
+}
+
+/** The individuals that have been made already, and why the server could make no others. */
+export async function findIndividuals(
+  orders: readonly IndividualOrder[],
+): Promise<Schemas["FoundIndividuals"]> {
+  const init = jsonBody({ individuals: orders.map(ofNearestSize) });
+  return (await (await fetchApi("api/individuals/find", init)).json()) as Schemas["FoundIndividuals"];
 }
 
 /** Queues the computation of a tree's table. */
 export async function startBuild(treeId: string, settings: BuildSettings = {}): Promise<Job> {
-  const body = JSON.stringify({ tree_id: treeId, settings });
-  const init = { method: "POST", headers: { "content-type": "application/json" }, body };
+  const init = jsonBody({ tree_id: treeId, settings });
   return (await (await fetchApi("api/jobs", init)).json()) as Job;
 }
 
 /** Imports the mesh again with these corrections. */
 export async function changeAssumptions(treeId: string, assumptions: Assumptions): Promise<ReportedTree> {
-  const init = {
-    method: "PATCH",
-    headers: { "content-type": "application/json" },
-    body: JSON.stringify(assumptions),
-  };
+  const init = { ...jsonBody(assumptions), method: "PATCH" };
   return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as ReportedTree;
 }
 
@@ -159,14 +174,8 @@ export async function copyTree(
   treeId: string,
   changes: Assumptions & { readonly name: string },
 ): Promise<ReportedTree> {
-  const init = {
-    method: "POST",
-    headers: { "content-type": "application/json" },
-    body: JSON.stringify(changes),
-  };
-  return (await (
-    await fetchApi(`api/trees/${encodeURIComponent(treeId)}/copies`, init)
-  ).json()) as ReportedTree;
+  const path = `api/trees/${encodeURIComponent(treeId)}/copies`;
+  return (await (await fetchApi(path, jsonBody(changes))).json()) as ReportedTree;
 }
 
 export async function deleteTree(treeId: string): Promise<void> {

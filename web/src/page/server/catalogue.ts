@@ -6,6 +6,7 @@ import type { Foliage } from "galewood/core";
 import type { TreeModel } from "galewood/trees";
 import { EDGE_VIEW, type Viewpoint } from "../../scene/camera/viewpoints";
 import { firstInView, type TreeAsset } from "../../scene/forest";
+import type { BuiltinTree } from "../../scene/forestIndividuals";
 import { type Grown, kindOf, kindsOf } from "../../scene/forms";
 import type { OpenedTree } from "../../scene/treeModel/openTree";
 import { readTreeModel, type TreeKind } from "../../scene/treeModel/readTreeModel";
@@ -138,7 +139,7 @@ export class Catalogue {
     this.listeners.push(listener);
   }
 
-  /** The built-in trees that are in the mix, and the planted uploads. */
+  /** The built-in trees that are in the mix, the planted uploads, and the trees grown for this forest. */
   private get grown(): Entry[] {
     return [...this.entries.values()].filter((entry) => this.isGrown(entry));
   }
@@ -147,7 +148,7 @@ export class Catalogue {
   private isGrown({ tree }: Entry): boolean {
     const { settings, state } = this.store;
     const inventory = state.inventory === "loading" ? null : state.inventory;
-    if (tree.grown) return inventory !== null && state.individuals.some(({ id }) => id === tree.id);
+    if (tree.grown) return state.individuals.some(({ id }) => id === tree.id);
     if (tree.builtin) return inventory ? this.standsFor(inventory, tree) : this.isInMix(tree);
     return plantedAs(settings, tree.id) !== null || (inventory !== null && isNamedIn(inventory, tree));
   }
@@ -169,8 +170,19 @@ export class Catalogue {
     return [...this.entries.values()].flatMap(({ tree }) => (tree.builtin ? [toGrown(tree)] : []));
   }
 
+  /** The trees of this forest, individuals last and in the order of the forest, which all who share it have in common. */
   get assets(): TreeAsset[] {
-    return this.grown.map((entry) => entry.asset);
+    const rank = new Map(this.store.state.individuals.map(({ id }, k) => [id, k]));
+    const assets = this.grown.map((entry) => entry.asset);
+    return assets.sort((a, b) => (rank.get(a.id) ?? -1) - (rank.get(b.id) ?? -1));
+  }
+
+  /** The built-in trees with their heights, also those that are not in the mix. */
+  get builtinTrees(): BuiltinTree[] {
+    return [...this.entries.values()].flatMap(({ tree }) => {
+      const { builtin, species, height_m } = tree;
+      return builtin && species && height_m ? [{ ...toGrown(tree), species, height_m }] : [];
+    });
   }
 
   /** Whether the mesh and the table of every tree that has them are loaded. */

@@ -5,6 +5,7 @@ import { type Method, parseMethod } from "galewood/motion";
 import type { WindDocument } from "galewood/wind";
 import { plainWind } from "galewood/wind";
 import { FORM_CHOICES, type FormChoice } from "../../scene/forms";
+import { MOST_OWN_TREES } from "../../scene/individuals";
 import type { Quality } from "../../scene/quality";
 import { SEASONS, type Season } from "../../scene/season/season";
 import { DAYTIMES } from "../../scene/sky/daytime";
@@ -22,6 +23,8 @@ export interface Settings {
   planted: PlantedTrees;
   /** Form of the built-in species: the one that suits each place, or the same everywhere. */
   form: FormChoice;
+  /** Number of trees that the server grows for this forest; 0: the built-in ones stand for all. */
+  ownTrees: number;
   /** Address of the inventory whose stems are planted; empty: the forest is invented. */
   inventory: string;
   /** Seed of the placement. */
@@ -53,6 +56,7 @@ export const LIMITS = {
   trees: { min: 1, max: 100_000, step: 1 },
   density: { min: 0.4, max: 2, step: 0.05 },
   forestSeed: { min: 0, max: 9999, step: 1 },
+  ownTrees: { min: 0, max: MOST_OWN_TREES, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
   daytime: DAYTIMES,
   exaggeration: { min: 1, max: 4, step: 0.1 },
@@ -72,6 +76,7 @@ export const DEFAULTS: Settings = {
   shares: Object.fromEntries(LEFT_OUT.map((id) => [id, 0])),
   planted: {},
   form: "place",
+  ownTrees: 0,
   inventory: "",
   forestSeed: 7,
   wind: plainWind({ mean_speed_m_s: 8, direction_deg: 30, gustiness: 0.7, seed: 1 }),
@@ -93,6 +98,7 @@ const NAMES: Record<NumberKey, string> = {
   trees: "trees",
   density: "density",
   forestSeed: "forest",
+  ownTrees: "own",
   poseEasing: "easing",
   daytime: "time",
   exaggeration: "motion",

@@ -10,6 +10,7 @@ export const PLACEMENT_KEYS = [
   "shares",
   "planted",
   "form",
+  "ownTrees",
   "inventory",
   "forestSeed",
   "method",

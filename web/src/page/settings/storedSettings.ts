@@ -29,12 +29,17 @@ export function remembered(defaults: Settings, shelf: () => Shelf): Settings {
 
 export function keep(settings: Settings, defaults: Settings, shelf: () => Shelf): void {
   try {
-    // an inventory belongs to its address
-    const query = queryFromSettings({ ...settings, inventory: defaults.inventory }, defaults);
+    const query = queryFromSettings(settings, defaults);
     shelf().setItem(STORAGE_KEY, JSON.stringify({ version: VERSION, query }));
   } catch {
     // Storage is full or blocked: continue without it.
   }
+}
+
+/** What is kept for the next visit: an inventory belongs to its address, and the trees grown for its stems to it. */
+export function keptOf({ settings, defaults, state }: Store): Settings {
+  const { inventory, ownTrees } = defaults;
+  return { ...settings, inventory, ...(state.inventory !== null && { ownTrees }) };
 }
 
 /** Keeps address and storage up to date from now on. */
@@ -42,7 +47,7 @@ export function rememberSettings(store: Store): void {
   const { settings, defaults, state } = store;
   const remember = () => {
     // The placement of a shared forest is not that of this visitor.
-    if (settings.panel && state.share === null) keep(settings, defaults, () => localStorage);
+    if (settings.panel && state.share === null) keep(keptOf(store), defaults, () => localStorage);
     const query = withShared(queryFromSettings(settings), state.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   };

@@ -11,6 +11,13 @@ import { sharedFrom } from "../settings/sharedForest";
 import { Playback } from "./playback";
 import { reactive, watch } from "./signals";
 
+/** How far the forest's own trees are: wanted, asked for, planted, or refused by the server (`final`: for good). */
+export type GrowthState =
+  | { readonly at: "none" }
+  | { readonly at: "growing"; readonly done: number; readonly all: number }
+  | { readonly at: "planted"; readonly trees: number; readonly shown: number; readonly all: number }
+  | { readonly at: "refused"; readonly title: string; readonly hint: string; readonly final: boolean };
+
 /** What is true of this visit only. Who writes a value is named with it. */
 export interface PageState {
   /** Id of the shared forest; null while the forest is private. `Sharing`. */
@@ -19,8 +26,9 @@ export interface PageState {
   present: number | null;
   /** The inventory that is planted; null without one. `InventoryPlanting`. */
   inventory: NamedInventory | "loading" | null;
-  /** The trees that were grown for its stems; empty: the built-in ones stand for all. `OwnTreesOfStems`. */
+  /** The trees that were grown for the forest; empty: the built-in ones stand for all. `Individuals`. */
   individuals: readonly Individual[];
+  growth: GrowthState;
   /** Whether the event stream of the server is open. `Catalogue`. */
   connected: boolean;
   /** Whether a picture with trees has been drawn. `FrameLoop`. */
@@ -61,6 +69,7 @@ export class Store {
       present: null,
       inventory: null,
       individuals: [],
+      growth: { at: "none" },
       connected: true,
       treesSeen: false,
       away: false,
