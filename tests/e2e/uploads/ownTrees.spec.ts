@@ -24,7 +24,7 @@ interface Listed {
 
 const grownTrees = async (page: Page) =>
   ((await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as Listed).trees.filter(({ grown }) => grown);
-const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood?.planted(tree), id);
+const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood?.planted(tree) ?? 0, id);
 
 test("stems get trees of their own, and their built-in ones back", async ({ page, quiet }) => {
   await page.route("**/api/inventory", (route) => route.fulfill({ json: { version: 1, stems: STEMS } }));
