@@ -1,8 +1,9 @@
 """Tables of individuals against full builds of the same trees: figures of docs/design/0036-individuals.md.
 
 Run from the repository: ``python docs/examples/individuals.py FOLDER TREE SEED...``, such as
-``build/individuals oak-forest 11 12``. It grows a tree of random size for each seed and builds its full table
-in a minute or two (kept in the folder, as are the figures, NAME/figures.json). It makes its quick tables with
+``build/individuals oak-forest 11 12``; with ``--bare`` it compares the tables without leaves. It grows a tree
+of random size for each seed and builds its full table in a minute or two (kept in the folder, as are the
+figures, NAME/leaf.json or NAME/bare.json). It makes its quick tables with
 three kinds of force, and plays all in the same winds. The reference is the full table, whose own error is a
 tenth of what is found (docs/physics.md).
 """
@@ -22,12 +23,12 @@ from galewood.io.api import Individual
 from galewood.motion.wind import Wind, WindField
 from galewood.packaged import species_folder
 from galewood.pipeline.individuals import individual_table, law_of_table
-from galewood.pipeline.results import shipped_tables
+from galewood.pipeline.results import shipped_bare_tables, shipped_tables
 from galewood.pipeline.stages import ImportedTree, build_table
 from galewood.pipeline.tables import BuildOptions
 from galewood.player import WindDrivenTrees
 from galewood.solid.skinning import joint_rows
-from galewood.table import Table, decode
+from galewood.table import Foliage, Table, decode, encode
 from galewood.threads import single_threaded
 from galewood.util import Floats, Ints
 
@@ -58,7 +59,7 @@ def grown(tree: str, seed: int) -> Individual:
 
 def full_table(individual: Individual, options: BuildOptions, folder: Path) -> Table:
     """Its table from simulated runs, kept in a folder."""
-    path = folder / individual.name / "full.table"
+    path = folder / individual.name / ("full.bare.table" if options.foliage == "bare" else "full.table")
 
     def keep(result: Any) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -136,38 +137,49 @@ def compared(full: Table, tables: dict[str, Table]) -> dict[str, Any]:
 
 
 @single_threaded
-def figures_of(tree: str, seed: int, folder: Path) -> dict[str, Any]:
+def figures_of(tree: str, seed: int, folder: Path, foliage: Foliage) -> dict[str, Any]:
     """Frequencies, errors and CPU seconds of one individual."""
     individual = grown(tree, seed)
     request, mesh, glb = individual.request, individual.tree.mesh, individual.tree.render_glb
     options = BuildOptions(
-        species=individual.species, height_m=request.height_m, stiffness="as drawn", reference_frames=0
+        species=individual.species,
+        height_m=request.height_m,
+        stiffness="as drawn",
+        reference_frames=0,
+        foliage=foliage,
     )
     full = full_table(individual, options, folder)
-    builtin = decode(shipped_tables(species_folder())[tree].read_bytes())
+    shipped = shipped_bare_tables if foliage == "bare" else shipped_tables
+    builtin = decode(shipped(species_folder())[tree].read_bytes())
+    motion = individual.motions.bare if foliage == "bare" else individual.motions.leaf
+    if motion is None:
+        raise ValueError(f"a {tree} keeps its leaves")
     start_s = time.process_time()
-    ours = individual_table(mesh, individual.motion, options, glb)
+    ours = individual_table(mesh, motion, options, glb)
     cpu_s = time.process_time() - start_s
     tables = {
         "isotropic": ours,
-        "none": individual_table(mesh, individual.motion, options, glb, lambda states: 0 * states.sway),
-        "copied": individual_table(mesh, individual.motion, options, glb, law_of_table(builtin)),
+        "none": individual_table(mesh, motion, options, glb, lambda states: 0 * states.sway),
+        "copied": individual_table(mesh, motion, options, glb, law_of_table(builtin)),
     }
     return {
         "name": individual.name,
         **request.model_dump(),
         "hz": {name: one.metadata["frequencies_hz"][:3] for name, one in (("full", full), ("quick", ours))},
         "cpu_s": cpu_s,
+        "bytes": len(encode(ours)),
         "errors": compared(full, tables),
     }
 
 
 def main() -> None:
     """Print a line for each individual, and write its figures."""
-    folder, tree = Path(sys.argv[1]), sys.argv[2]
-    for seed in map(int, sys.argv[3:]):
-        found = figures_of(tree, seed, folder)
-        (folder / found["name"] / "figures.json").write_text(json.dumps(found, indent=1))
+    given = [word for word in sys.argv[1:] if word != "--bare"]
+    foliage: Foliage = "bare" if "--bare" in sys.argv else "leaf"
+    folder, tree = Path(given[0]), given[1]
+    for seed in map(int, given[2:]):
+        found = figures_of(tree, seed, folder, foliage)
+        (folder / found["name"] / f"{foliage}.json").write_text(json.dumps(found, indent=1))
         full, quick = found["hz"]["full"][0], found["hz"]["quick"][0]
         errors = {
             f"{name} {sway}": [round(100 * float(one), 1) for one in (np.median(values), max(values))]

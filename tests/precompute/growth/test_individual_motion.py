@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import galewood
 import numpy as np
@@ -14,11 +15,11 @@ from galewood.io.cli.commands import app
 from galewood.motion.wind import dynamic_pressure
 from galewood.options import ImportRequest
 from galewood.packaged import species_folder
-from galewood.pipeline.individuals import individual_table, shipped_motion
-from galewood.pipeline.results import shipped_tables
+from galewood.pipeline.individuals import individual_table, shipped_motions
+from galewood.pipeline.results import shipped_bare_tables, shipped_tables
 from galewood.pipeline.tables import BuildOptions
 from galewood.solid.skinning import is_torn
-from galewood.table import Table, decode
+from galewood.table import Foliage, Table, decode
 from galewood.tree import read_tree, render_glb
 from galewood.util import Floats
 from typer.testing import CliRunner
@@ -30,6 +31,8 @@ FULL_BUILDS = [
     ("spruce", "open", 11, 19.7, 35.6, 0.425),
     ("oak", "open", 11, 16.3, 43.5, 0.366),
 ]
+BARE_BUILD = ("beech", "forest", 15, 27.5, 33.9, 0.1916)
+FOLIAGES: tuple[Foliage, ...] = ("leaf", "bare")
 
 
 def top_track_m(table: Table, pressure_pa: Floats) -> Floats:
@@ -50,13 +53,19 @@ def test_the_first_frequency_is_near_that_of_a_full_build(
     assert table.metadata["provenance"]["left_out"]
 
 
-def test_a_built_in_tree_as_an_individual_moves_like_its_fitted_table() -> None:
+@pytest.mark.parametrize("foliage", FOLIAGES)
+def test_a_built_in_tree_as_an_individual_moves_like_its_fitted_table(foliage: Foliage) -> None:
     name, path = "beech-forest", species_folder() / "beech-forest.glb"
-    fitted = decode(shipped_tables(species_folder())[name].read_bytes())
+    shipped = shipped_bare_tables if foliage == "bare" else shipped_tables
+    fitted = decode(shipped(species_folder())[name].read_bytes())
     height_m = float(fitted.metadata["height_m"])
     tree = read_tree(path.read_bytes(), path.name, ImportRequest(species="beech", height_m=height_m))
-    options = BuildOptions(species="beech", height_m=height_m, stiffness="as drawn")
-    quick = individual_table(tree, shipped_motion("beech", "forest"), options, render_glb(tree))
+    options = BuildOptions(species="beech", height_m=height_m, stiffness="as drawn", foliage=foliage)
+    motions = shipped_motions("beech", "forest")
+    motion = motions.bare if foliage == "bare" else motions.leaf
+    assert motion is not None
+    quick = individual_table(tree, motion, options, render_glb(tree))
+    assert quick.metadata["foliage"] == fitted.metadata["foliage"] == foliage
     hz = [table.metadata["frequencies_hz"] for table in (quick, fitted)]
     np.testing.assert_allclose(hz[0][:3], hz[1][:3], rtol=1e-3)
     assert len(quick.vertex_joint) == len(fitted.vertex_joint)
@@ -72,13 +81,40 @@ def test_a_built_in_tree_as_an_individual_moves_like_its_fitted_table() -> None:
     assert ours_m[far, 1] == pytest.approx(theirs_m[far, 1], abs=0.25 * abs(theirs_m[far, 1]))
 
 
+def test_a_bare_individual_sways_faster_and_has_the_same_vertices() -> None:
+    species, form, seed, height_m, dbh_cm, full_hz = BARE_BUILD
+    size: dict[str, Any] = {"height_m": height_m, "dbh_cm": dbh_cm, "form": form}
+    individual = galewood.grow(species, seed=seed, **size)
+    leaf, bare = individual.table(), individual.table("bare")
+    assert bare.frequencies_hz[0] == pytest.approx(full_hz, rel=0.04)
+    assert bare.frequencies_hz[0] > 1.03 * leaf.frequencies_hz[0]
+    assert not is_torn(bare.report["drawn"])
+    assert bare.metadata["mesh_sha256"] == leaf.metadata["mesh_sha256"]
+    assert len(bare.table.vertex_joint) == len(leaf.table.vertex_joint)
+
+
+def test_a_species_that_keeps_its_leaves_has_no_bare_individual() -> None:
+    with pytest.raises(ValueError, match="keeps its leaves"):
+        galewood.grow("pine", seed=2, height_m=14).table("bare")
+
+
+def test_a_document_without_the_bare_motion_has_the_same_table_in_leaf(apricot: bytes) -> None:
+    values = json.loads(apricot)
+    assert values["motion"].pop("bare")
+    older = galewood.regrow(json.dumps(values))
+    assert older.table().data == galewood.regrow(apricot).table().data
+    with pytest.raises(ValueError, match="no bare table"):
+        older.table("bare")
+
+
 def test_an_individual_is_grown_again_from_its_document() -> None:
     individual = galewood.grow("beech", seed=3, height_m=20, dbh_cm=24, form="forest")
     document = individual.document()
     assert len(document) < MOST_DOCUMENT_BYTES
     again = galewood.regrow(document)
     assert (again.name, again.glb) == ("beech-forest-3", individual.glb)
-    assert again.table().data == individual.table().data
+    for foliage in FOLIAGES:
+        assert again.table(foliage).data == individual.table(foliage).data
 
 
 @pytest.fixture(scope="module")

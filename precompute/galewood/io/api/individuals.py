@@ -17,12 +17,13 @@ from galewood.options import IndividualRequest
 from galewood.pipeline.individuals import (
     GrownMesh,
     IndividualDocument,
-    SpeciesMotion,
+    SpeciesMotions,
     document_of,
     quick_motion,
     read_document,
     read_grown,
 )
+from galewood.table import Foliage
 from galewood.util import write_atomically
 
 
@@ -38,8 +39,8 @@ class Individual:
 
     species: str
     request: IndividualRequest
-    motion: SpeciesMotion = field(repr=False)
-    """What its motion takes over from the fitted table of its species."""
+    motions: SpeciesMotions = field(repr=False)
+    """What its motion takes over from the fitted tables of its species."""
     glb: bytes = field(repr=False)
     """Its mesh with pictures, as a binary glTF."""
     skeleton: GrownSkeleton = field(repr=False)
@@ -52,7 +53,7 @@ class Individual:
 
     @property
     def _document(self) -> IndividualDocument:
-        return IndividualDocument(self.species, self.request, self.motion)
+        return IndividualDocument(self.species, self.request, self.motions)
 
     @cached_property
     def tree(self) -> Tree:
@@ -60,13 +61,14 @@ class Individual:
         grown = read_grown(self._document, self.glb)
         return Tree(grown.tree, grown.render_glb, self.name)
 
-    def table(self) -> MotionTable:
-        """Its motion in leaf, within seconds: its own beams, and the nonlinear force of its species.
+    def table(self, foliage: Foliage = "leaf") -> MotionTable:
+        """Its motion in leaf or bare, within seconds: its own beams, and the nonlinear force of its species.
 
-        ``galewood.build(individual.tree)`` takes a minute and simulates it instead.
+        ``galewood.build(individual.tree)`` takes a minute and simulates it instead. Raises ValueError for
+        the bare table of a species that keeps its leaves.
         """
         tree = self.tree
-        data, report = quick_motion(self._document, GrownMesh(tree.mesh, tree.render_glb))
+        data, report = quick_motion(self._document, GrownMesh(tree.mesh, tree.render_glb), foliage)
         return MotionTable(data, tree.render_glb, report, name=self.name)
 
     def document(self) -> bytes:
@@ -98,8 +100,8 @@ def grow(species: str, options: GrowCall) -> Individual:
     """
     request = IndividualRequest.model_validate(options.model_dump(exclude={"wanted"}))
     files = grow_files(species, request, wanted=options.wanted or (lambda: True))
-    motion = document_of(species, request).motion
-    return Individual(species, request, motion, files.glb, read_skeleton(files.skeleton))
+    motions = document_of(species, request).motions
+    return Individual(species, request, motions, files.glb, read_skeleton(files.skeleton))
 
 
 def regrow(document: bytes | str) -> Individual:
@@ -113,4 +115,4 @@ def regrow(document: bytes | str) -> Individual:
     except ValueError as error:
         raise GrowthError(str(error)) from None
     files = grow_files(known.species, known.request)
-    return Individual(known.species, known.request, known.motion, files.glb, read_skeleton(files.skeleton))
+    return Individual(known.species, known.request, known.motions, files.glb, read_skeleton(files.skeleton))

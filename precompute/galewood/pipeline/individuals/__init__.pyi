@@ -6,7 +6,7 @@ from .grown_tree import individual_result as individual_result
 from .grown_tree import quick_motion as quick_motion
 from .grown_tree import read_grown as read_grown
 from .law import law_of_table as law_of_table
-from .motions import SpeciesMotion as SpeciesMotion
-from .motions import shipped_motion as shipped_motion
+from .motions import SpeciesMotions as SpeciesMotions
+from .motions import shipped_motions as shipped_motions
 from .quick_table import individual_table as individual_table
 from .shipped import ship_motions as ship_motions

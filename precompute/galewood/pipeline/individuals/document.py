@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from galewood.options import IndividualRequest
-from galewood.pipeline.individuals.motions import SpeciesMotion, motion_of_document, shipped_motion
+from galewood.pipeline.individuals.motions import SpeciesMotions, motions_of_document, shipped_motions
 
 DOCUMENT_FORMAT, DOCUMENT_VERSION = "galewood-individual", 1
 
 
 @dataclass(frozen=True)
 class IndividualDocument:
-    """A species, what was asked for, and what the motion takes over from the fitted table of the species."""
+    """A species, what was asked for, and what the motion takes over from the fitted tables of the species."""
 
     species: str
     request: IndividualRequest
-    motion: SpeciesMotion = field(repr=False)
+    motions: SpeciesMotions = field(repr=False)
 
     @property
     def name(self) -> str:
@@ -35,7 +35,7 @@ class IndividualDocument:
             "species": self.species,
             **self.request.model_dump(exclude_none=True, exclude={"nearest_size"}),
             **({"nearest_size": True} if self.request.nearest_size else {}),
-            "motion": asdict(self.motion),
+            "motion": self.motions.document(),
         }
         return (json.dumps(values, separators=(",", ":")) + "\n").encode()
 
@@ -45,7 +45,7 @@ def document_of(species: str, request: IndividualRequest, folder: Path | None = 
 
     ``folder`` has the built-in trees; default: that of this installation.
     """
-    return IndividualDocument(species, request, shipped_motion(species, request.form, folder))
+    return IndividualDocument(species, request, shipped_motions(species, request.form, folder))
 
 
 def read_document(content: bytes | str) -> IndividualDocument:
@@ -54,8 +54,8 @@ def read_document(content: bytes | str) -> IndividualDocument:
         values = json.loads(content)
         if (values.pop("format"), values.pop("version")) != (DOCUMENT_FORMAT, DOCUMENT_VERSION):
             raise ValueError("another format or version")
-        species, motion = str(values.pop("species")), motion_of_document(values.pop("motion"))
-        return IndividualDocument(species, IndividualRequest.model_validate(values), motion)
+        species, motions = str(values.pop("species")), motions_of_document(values.pop("motion"))
+        return IndividualDocument(species, IndividualRequest.model_validate(values), motions)
     except KeyError as error:
         raise ValueError(f"Not the document of an individual: it lacks {error}") from None
     except (AttributeError, TypeError, ValueError) as error:

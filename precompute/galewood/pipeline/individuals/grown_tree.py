@@ -13,7 +13,7 @@ from galewood.pipeline.individuals.document import IndividualDocument
 from galewood.pipeline.individuals.quick_table import individual_table
 from galewood.pipeline.results import BuildResult
 from galewood.pipeline.tables import BuildOptions
-from galewood.table import encode
+from galewood.table import Foliage, encode
 from galewood.threads import single_threaded
 from galewood.tree import TreeMesh, read_tree, render_glb
 
@@ -39,10 +39,20 @@ def read_grown(document: IndividualDocument, glb: bytes) -> GrownMesh:
 
 
 @single_threaded
-def quick_motion(document: IndividualDocument, grown: GrownMesh) -> tuple[bytes, dict[str, Any]]:
-    """The table of an individual in leaf, encoded, and its report; within seconds."""
-    options = BuildOptions(species=document.species, height_m=grown.tree.height_m, stiffness="as drawn")
-    table = individual_table(grown.tree, document.motion, options, grown.render_glb)
+def quick_motion(
+    document: IndividualDocument, grown: GrownMesh, foliage: Foliage = "leaf"
+) -> tuple[bytes, dict[str, Any]]:
+    """The table of an individual, encoded, and its report; within seconds.
+
+    Raises ValueError for the bare table of a species that keeps its leaves.
+    """
+    motion = document.motions.bare if foliage == "bare" else document.motions.leaf
+    if motion is None:
+        raise ValueError(f"A tree of the species {document.species} keeps its leaves: it has no bare table")
+    options = BuildOptions(
+        species=document.species, height_m=grown.tree.height_m, stiffness="as drawn", foliage=foliage
+    )
+    table = individual_table(grown.tree, motion, options, grown.render_glb)
     report = {"individual": json.loads(document.encoded()), "drawn": table.metadata.get("drawn", {})}
     return encode(table), report
 
@@ -52,11 +62,17 @@ def individual_result(
     on_stage: OnStage = lambda share, message: None,
     wanted: Callable[[], bool] = lambda: True,
 ) -> BuildResult:
-    """Grow an individual and make its table. Raises GrowthError, Cancelled, and what ``on_stage`` raises."""
+    """Grow an individual and make its tables. Raises GrowthError, Cancelled, and what ``on_stage`` raises."""
     on_stage(0.05, "Growing the tree")
     files = grow_files(document.species, document.request, wanted=wanted)
     on_stage(0.35, "Reading its mesh")
     grown = read_grown(document, files.glb)
     on_stage(0.5, "Making its table")
     table, report = quick_motion(document, grown)
-    return BuildResult(table, None, grown.render_glb, grown.tree.report | report)
+    report |= grown.tree.report
+    if document.motions.bare is None:
+        return BuildResult(table, None, grown.render_glb, report)
+    on_stage(0.8, "Making its table without leaves")
+    bare_table, bare_report = quick_motion(document, grown, "bare")
+    report["bare_table"] = {"drawn": bare_report["drawn"]}
+    return BuildResult(table, None, grown.render_glb, report, bare_table)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,16 +26,34 @@ class SpeciesMotion:
     force: tuple[float, ...]
 
 
-def shipped_motion(species: str, form: str, folder: Path | None = None) -> SpeciesMotion:
+@dataclass(frozen=True)
+class SpeciesMotions:
+    """The motion of a species in leaf, and without leaves; None for a species that keeps them."""
+
+    leaf: SpeciesMotion
+    bare: SpeciesMotion | None = None
+
+    def document(self) -> dict[str, Any]:
+        """As a JSON object, for ``motions_of_document``."""
+        bare = {} if self.bare is None else {"bare": asdict(self.bare)}
+        return {**asdict(self.leaf), **bare}
+
+
+def shipped_motions(species: str, form: str, folder: Path | None = None) -> SpeciesMotions:
     """The motion of a built-in species grown in this form. KeyError for others; OSError."""
     folder = folder or species_folder()
     entries = json.loads((folder / "species.json").read_bytes())
     name = {(one["species"], one["form"]): one["id"] for one in entries}[species, form]
-    return motion_of_document(json.loads(motions_path(folder).read_bytes())["motions"][name])
+    return motions_of_document(json.loads(motions_path(folder).read_bytes())["motions"][name])
 
 
-def motion_of_document(document: dict[str, Any]) -> SpeciesMotion:
+def motions_of_document(document: dict[str, Any]) -> SpeciesMotions:
     """The motion that a JSON object holds. Raises ValueError for another object."""
+    bare = document.get("bare")
+    return SpeciesMotions(_motion_of(document), None if bare is None else _motion_of(bare))
+
+
+def _motion_of(document: dict[str, Any]) -> SpeciesMotion:
     try:
         return SpeciesMotion(
             tuple(float(one) for one in document["stiffness"]),

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict
 from pathlib import Path
 
 from galewood.options import ImportRequest
-from galewood.pipeline.individuals.motions import SpeciesMotion
+from galewood.pipeline.individuals.motions import SpeciesMotion, SpeciesMotions
 from galewood.pipeline.individuals.species_motion import species_motion
-from galewood.pipeline.results import motions_path, shipped_tables
+from galewood.pipeline.results import motions_path, shipped_bare_tables, shipped_tables
 from galewood.pipeline.stages import BuiltinMesh, builtin_meshes
 from galewood.solid.model import beam_model
 from galewood.table import decode
@@ -19,7 +18,7 @@ from galewood.tree import read_tree
 from galewood.util import write_atomically
 from galewood.wood import wood_of_species
 
-MOTIONS_VERSION = 1
+MOTIONS_VERSION = 2
 """Changes with the meaning of what is written."""
 DIGIT_COUNT = 6
 
@@ -28,22 +27,33 @@ def ship_motions(folder: Path) -> bool:
     """Write the motions of the built-in trees of a folder, unless they are up to date; whether it did."""
     meshes, path = builtin_meshes(folder), motions_path(folder)
     tables = {name: table.read_bytes() for name, table in shipped_tables(folder).items()}
-    hashes = [(name, hashlib.sha256(table).hexdigest()) for name, table in sorted(tables.items())]
+    bare = {name: table.read_bytes() for name, table in shipped_bare_tables(folder).items()}
+    hashes = [
+        (name, hashlib.sha256(table).hexdigest()) for kind in (tables, bare) for name, table in kind.items()
+    ]
     key = hashlib.sha256(json.dumps([MOTIONS_VERSION, hashes]).encode()).hexdigest()
     if path.is_file() and json.loads(path.read_bytes())["key"] == key:
         return False
-    motions = {mesh.name: asdict(_rounded(builtin_motion(mesh, tables[mesh.name]))) for mesh in meshes}
+    motions = {
+        mesh.name: builtin_motions(mesh, tables[mesh.name], bare.get(mesh.name)).document() for mesh in meshes
+    }
     text = json.dumps({"key": key, "motions": motions}, separators=(",", ":")) + "\n"
     write_atomically(path, text.encode())
     return True
 
 
 @single_threaded
-def builtin_motion(mesh: BuiltinMesh, table: bytes) -> SpeciesMotion:
-    """The motion of a built-in tree, from its mesh and its table in leaf."""
+def builtin_motions(mesh: BuiltinMesh, table: bytes, bare_table: bytes | None) -> SpeciesMotions:
+    """The motion of a built-in tree, from its mesh, its table in leaf and, if it has one, its bare table."""
     options = ImportRequest(species=str(mesh.options["species"]), height_m=float(mesh.options["height_m"]))
     tree = read_tree(mesh.path.read_bytes(), mesh.path.name, options)
-    return species_motion(decode(table), beam_model(tree, wood_of_species(tree.species or "default")))
+    wood = wood_of_species(tree.species or "default")
+    leaf = _rounded(species_motion(decode(table), beam_model(tree, wood)))
+    if bare_table is None:
+        return SpeciesMotions(leaf)
+    return SpeciesMotions(
+        leaf, _rounded(species_motion(decode(bare_table), beam_model(tree, wood, leaves=False)))
+    )
 
 
 def _rounded(motion: SpeciesMotion) -> SpeciesMotion:

@@ -19,6 +19,7 @@ from galewood.pipeline.results.shipped import (
     forms_path,
     motions_path,
     read_shipped,
+    shipped_bare_tables,
     shipped_tables,
     write_shipped,
 )
@@ -41,6 +42,7 @@ __all__ = [
     "motions_path",
     "read_compliance",
     "read_shipped",
+    "shipped_bare_tables",
     "shipped_tables",
     "write_compliance",
     "write_light",

@@ -46,6 +46,13 @@ def shipped_tables(species_dir: Path) -> dict[str, Path]:
     return dict(sorted((path.stem, path) for path in files if "." not in path.stem))
 
 
+def shipped_bare_tables(species_dir: Path) -> dict[str, Path]:
+    """The tables without leaves by the names of their trees, in this folder; some trees have none."""
+    suffix = SHIPPED_SUFFIXES["bare_table"]
+    files = (species_dir / SHIPPED_FOLDER).glob(f"*{suffix}")
+    return dict(sorted((path.name.removesuffix(suffix), path) for path in files))
+
+
 def forms_path(species_dir: Path) -> Path:
     """Where the bending of the trees of a folder is."""
     return species_dir / SHIPPED_FOLDER / FORMS_FILE

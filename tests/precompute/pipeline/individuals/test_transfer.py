@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.packaged import species_folder
-from galewood.pipeline.individuals import ship_motions, shipped_motion
+from galewood.pipeline.individuals import ship_motions, shipped_motions
 from galewood.pipeline.individuals.curving import second_order
 from galewood.pipeline.individuals.law import (
     SwayStates,
@@ -114,14 +114,20 @@ def test_the_shipped_motions_are_those_of_the_shipped_tables(tmp_path: Path) -> 
     assert not ship_motions(species_folder())
     assert motions_path(species_folder()).stat().st_size < 20_000
     # one tree again, from its mesh and table alone
-    for name in ("apricot-forest.glb", "shipped/apricot-forest.table"):
+    names = ("apricot-forest.glb", "shipped/apricot-forest.table", "shipped/apricot-forest.bare.table")
+    for name in names:
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(species_folder() / name, tmp_path / name)
     listed = (species_folder() / "species.json").read_text()
     start = listed.index('{\n    "id": "apricot-forest"')
     (tmp_path / "species.json").write_text(f"[{listed[start : listed.index('}', start) + 1]}]")
     assert ship_motions(tmp_path)
-    again, shipped = (shipped_motion("apricot", "forest", folder) for folder in (tmp_path, species_folder()))
-    np.testing.assert_allclose(again.stiffness, shipped.stiffness, rtol=1e-3)
-    np.testing.assert_allclose(again.force, shipped.force, atol=1e-3)
-    assert (again.sway, again.speed) == pytest.approx((shipped.sway, shipped.speed), rel=1e-3)
+    again, shipped = (shipped_motions("apricot", "forest", folder) for folder in (tmp_path, species_folder()))
+    for ours, theirs in ((again.leaf, shipped.leaf), (again.bare, shipped.bare)):
+        assert ours is not None
+        assert theirs is not None
+        np.testing.assert_allclose(ours.stiffness, theirs.stiffness, rtol=1e-3)
+        np.testing.assert_allclose(ours.force, theirs.force, atol=1e-3)
+        assert (ours.sway, ours.speed) == pytest.approx((theirs.sway, theirs.speed), rel=1e-3)
+    assert again.bare != again.leaf
+    assert shipped_motions("spruce", "open").bare is None

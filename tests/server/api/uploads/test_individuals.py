@@ -62,6 +62,8 @@ def test_an_individual_is_made_once_and_is_as_light_as_its_built_in_tree(start_s
         table = api.get(f"/api/tables/{tree['table_sha256']}").content
         metadata = read_metadata(table)
         assert (metadata["version"], metadata["mesh_sha256"]) == (TABLE_VERSION, tree["mesh_sha256"])
+        bare = read_metadata(api.get(f"/api/tables/{tree['bare_table_sha256']}").content)
+        assert (bare["foliage"], bare["mesh_sha256"]) == ("bare", tree["mesh_sha256"])
         mesh = api.get(f"/api/meshes/{tree['mesh_sha256']}").content
         light = api.get(f"/api/light-meshes/{tree['mesh_sha256']}").content
         assert len(light) < 0.25 * len(mesh)
