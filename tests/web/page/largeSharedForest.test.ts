@@ -27,6 +27,7 @@ beforeEach(() => {
   page.toasts = [];
   vi.stubGlobal("Worker", FakeWorker);
   vi.stubGlobal("document", { baseURI: "https://forest.example/" });
+  vi.stubGlobal("navigator", { hardwareConcurrency: 2 });
 });
 afterEach(() => vi.unstubAllGlobals());
 

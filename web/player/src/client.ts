@@ -1,9 +1,10 @@
-/** Messages to and from the worker `galewood/client-worker`, which has both methods, pulls, streams and shared forests. */
+/** The page's side of the worker `galewood/client-worker`, which has both methods, pulls, streams and shared forests, and of several. */
 
 export { EasedPoses } from "./core/motion/easedPoses";
-export { type PosePacket, packetBuffers } from "./core/motion/posePacket";
+export type { PosePacket } from "./core/motion/posePacket";
 export { Backoff } from "./core/net/backoff";
 export type { About } from "./core/wire/wire";
+export { ForestWorkers, type FromWorkers, type PlanOrder } from "./worker/divided/forestWorkers";
 export type {
   Connection,
   FirstSway,
@@ -14,6 +15,7 @@ export type {
   LookupPlace,
   PulledTree,
   PullOrder,
+  ShownTrees,
   TableMotion,
   ToWorker,
   TreeAt,

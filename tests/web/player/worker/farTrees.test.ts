@@ -124,6 +124,7 @@ test("a packet brings near poses exactly and distant ones within half a unit, wh
   const start = { row: 0, near: 0, far: 0 };
   const group = { poses, stride: STRIDE, modes };
   const all = packPoses([{ ...group, changed: null }], null);
+  shown.begin();
   shown.take(all, 0, { ...start });
   expect([...shown.poses]).toEqual([...poses]);
   const before = poses.slice();
@@ -132,6 +133,7 @@ test("a packet brings near poses exactly and distant ones within half a unit, wh
   const changed: Changed = { near: Uint32Array.of(2), far, periods: [4, 8, 16], coordinates };
   const packet = packPoses([{ ...group, changed }], all);
   expect(packetBytes([{ ...group, changed }])).toBe(4 * STRIDE + 4 + 2 * (2 * (FAR_COORDINATES + 1) + 4));
+  shown.begin();
   shown.take(packet, 0, { ...start });
   const pose = (of: Float32Array, tree: number) => [...of.subarray(tree * STRIDE, (tree + 1) * STRIDE)];
   expect(pose(shown.poses, 2)).toEqual(pose(poses, 2));
@@ -139,7 +141,10 @@ test("a packet brings near poses exactly and distant ones within half a unit, wh
   for (const k of coordinates) expect(Math.abs(shown.poses[STRIDE + k] - poses[STRIDE + k])).toBeLessThan(2.51e-4);
   expect([1, 4, 2, 0].map((tree) => shown.share(tree))).toEqual([1 / 4, 1 / 16, 1, 1]);
   const nothing: Changed = { near: Uint32Array.of(), far: [], periods: [], coordinates };
-  for (let k = 0; k < 2; k++) shown.take(packPoses([{ ...group, changed: nothing }], null), 0, { ...start });
+  for (let k = 0; k < 2; k++) {
+    shown.begin();
+    shown.take(packPoses([{ ...group, changed: nothing }], null), 0, { ...start });
+  }
   const data = Float32Array.from(coordinates, (k) => shown.poses[STRIDE + k]);
   shown.ease(1, coordinates, data, 0);
   for (const [at, k] of coordinates.entries()) {

@@ -65,7 +65,10 @@ class Shown {
     this.bytes = packetBytes(packed);
     const packet = packPoses(packed, null);
     const at = { row: 0, near: 0, far: 0 };
-    for (const [g, poses] of this.poses.entries()) poses.take(packet, g, at);
+    for (const [g, poses] of this.poses.entries()) {
+      poses.begin();
+      poses.take(packet, g, at);
+    }
   }
 }
 

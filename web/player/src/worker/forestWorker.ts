@@ -5,7 +5,7 @@ import { type PosePacket, packetBuffers, packPoses } from "../core/motion/posePa
 import { poseStride } from "../core/motion/poseStride";
 import type { WindDocument } from "../core/wind/document";
 import { WindField } from "../core/wind/field";
-import { finalWind, parseState } from "../core/wind/transition";
+import { finalWind, parseState, type WindState } from "../core/wind/transition";
 import type { Reply } from "../core/wire/wire";
 import { JumpBlend } from "./motion/blend";
 import { FailoverMotion } from "./motion/failover";
@@ -16,7 +16,7 @@ import { RestRings } from "./motion/pulls/restRings";
 import { SharedMotion } from "./motion/sharedMotion";
 import { ShownPoses, type StartOfGroup } from "./motion/shownPoses";
 import { StreamMotion } from "./motion/streamMotion";
-import type { ForestPlan, FromWorker, ShareRequest, ToWorker, TreeAt } from "./protocol";
+import type { ForestPlan, FromWorker, ShareRequest, ShownTrees, ToWorker, TreeAt } from "./protocol";
 import { forestRequest, sharedGroups, streamMethod } from "./stream/forestRequest";
 import { forestUrl } from "./stream/forestUrl";
 import { motionBuffers, tableMotion } from "./table/tableMotion";
@@ -85,7 +85,7 @@ function startedField(wind: WindDocument): WindField {
 
 function makeSource(
   plan: ForestPlan,
-  wind: WindDocument,
+  wind: WindDocument | WindState,
   socketUrl: string,
   starts: readonly (StartOfGroup | null)[],
 ): MotionSource {
@@ -138,7 +138,16 @@ function onReply(reply: Reply): void {
     scope.postMessage({ kind: "sharedWind", wind: finalWind(parseState(reply.state)) });
 }
 
-function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {
+/** Continues what another worker has displayed: trees that were here, too, keep their state all the same. */
+function takeOver(trees: readonly ShownTrees[]): void {
+  if (trees.length === 0) return;
+  shown.show(
+    trees.map((group) => ({ ...group, table: store.table(group.table) })),
+    trees.map(({ poses }) => poses),
+  );
+}
+
+function setPlan(plan: ForestPlan, wind: WindDocument | WindState, socketUrl: string): void {
   const starts = shown.continueAs(localGroups(plan));
   const next = makeSource(plan, wind, forestUrl(socketUrl, plan.share), starts);
   source?.dispose();
@@ -195,6 +204,7 @@ scope.onmessage = ({ data }) => {
       void loadRecords(data.table, data.url);
       break;
     case "plan":
+      takeOver(data.shown);
       setPlan(data.plan, data.wind, data.socketUrl);
       advance(0, null);
       break;

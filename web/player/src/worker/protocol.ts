@@ -67,6 +67,8 @@ export interface GroupPlan {
   readonly placement: Float32Array<ArrayBuffer>;
   /** Id of each tree: trees of an earlier plan keep their state. */
   readonly ids: Uint32Array<ArrayBuffer>;
+  /** Index of each tree among those of all workers, in ascending order; null: these are all. */
+  readonly rows: Uint32Array<ArrayBuffer> | null;
   /** Whether the server has the table's records. */
   readonly recorded: boolean;
   /** Address of the compliance file, which is fetched when a tree is pulled; null: there is none. */
@@ -129,12 +131,28 @@ export interface ForestPlan {
   readonly share: ShareRequest | null;
 }
 
+/** Displayed trees of one species. */
+export interface ShownTrees {
+  readonly key: string;
+  readonly table: string;
+  readonly ids: Uint32Array<ArrayBuffer>;
+  /** `poseStride(modes)` floats per tree. */
+  readonly poses: Float32Array<ArrayBuffer>;
+}
+
 export type ToWorker =
   | { kind: "load"; sha256: string; url: string }
   /** Fetches the records of a loaded table, for the next plan. */
   | { kind: "loadRecords"; table: string; url: string }
-  /** Answered as `advance` is. */
-  | { kind: "plan"; plan: ForestPlan; wind: WindDocument; socketUrl: string }
+  /** Answered as `advance` is. `wind`: of a worker that has been told of none. */
+  | {
+      kind: "plan";
+      plan: ForestPlan;
+      wind: WindDocument | WindState;
+      socketUrl: string;
+      /** What another worker has displayed, which this one continues. */
+      shown: readonly ShownTrees[];
+    }
   | { kind: "wind"; wind: WindDocument }
   /** Begins or continues a pull, and ends it. */
   | { kind: "pull"; order: PullOrder }

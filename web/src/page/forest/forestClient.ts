@@ -1,20 +1,19 @@
-/** Client of the worker on the main thread: sends plans, receives poses, recycles buffers. */
+/** Client of the workers on the main thread: sends plans, receives poses. */
 
 import type {
   Connection,
   ForestPlan,
-  FromWorker,
+  FromWorkers,
   GroupPlan,
   Inspection,
-  PosePacket,
   PulledTree,
   PullOrder,
+  ShownTrees,
   TableMotion,
-  ToWorker,
   TreeAt,
   Work,
 } from "galewood/client";
-import { EasedPoses, packetBuffers } from "galewood/client";
+import { EasedPoses, ForestWorkers } from "galewood/client";
 import { sameWind, type WindState } from "galewood/wind";
 import { PullFields } from "../pulling/pullFields";
 import { complianceUrl, recordsUrl, tableUrl } from "../server/api";
@@ -22,7 +21,6 @@ import { foreignPlacement } from "../settings/sharedForest";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { showToast } from "../ui/toast";
-import { MAX_FRAME_S } from "./frameStatistics";
 
 interface Pending<Result> {
   resolve(result: Result): void;
@@ -32,7 +30,7 @@ interface Pending<Result> {
 const absolute = (path: string) => new URL(path, document.baseURI).href;
 
 /** A group for the worker, with the motion that determines its row length. */
-export interface ClientGroup extends Omit<GroupPlan, "table"> {
+export interface ClientGroup extends Omit<GroupPlan, "table" | "rows"> {
   readonly motion: TableMotion;
 }
 
@@ -60,48 +58,58 @@ export class ForestClient {
   /** The trees that are pulled or ring down, by anyone, and their displacements that the modes do not show. */
   pulled: readonly PulledTree[] = [];
   readonly pullFields = new PullFields();
-  private readonly worker = startWorker();
+  private readonly workers: ForestWorkers;
   private readonly waiting = new Map<string, Pending<TableMotion>[]>();
   private readonly waitingRecords = new Map<string, Pending<void>>();
-  private epoch = 0;
   /** Whether planned trees are to replace those of the shared forest, until the server has described it. */
   private replants = false;
   private arrived: (() => void) | null = null;
-  /** The poses of the plan that is on its way. */
-  private next: EasedPoses[] = [];
-  private spare: PosePacket | null = null;
-  private busy = false;
-  private backlog_s = 0;
+  /** The groups that are displayed. */
+  private groups: readonly ClientGroup[] = [];
+  /** Groups and poses of the plan that is on its way. */
+  private next: { readonly groups: readonly ClientGroup[]; readonly eased: readonly EasedPoses[] } | null =
+    null;
   private fresh = false;
 
   constructor(private readonly store: Store) {
     const { settings, state } = store;
-    this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
-    // Its gusts are made while the tables are on their way.
-    this.send({ kind: "wind", wind: settings.wind });
+    this.workers = new ForestWorkers(
+      startWorker,
+      navigator.hardwareConcurrency,
+      () => this.shown,
+      (message) => this.receive(message),
+    );
+    const { workers } = this;
+    // The gusts are made while the tables are on their way.
+    workers.send({ kind: "wind", wind: settings.wind });
     watch(
       () => [settings.wind],
       ([wind]) => {
         // The worker already knows a wind that others have changed.
-        if (!store.isAdopting) this.send({ kind: "wind", wind });
+        if (!store.isAdopting) workers.send({ kind: "wind", wind });
       },
     );
     // The server need not send anything while nobody looks.
     watch(
       () => [state.away],
-      ([hidden]) => this.send({ kind: "hide", hidden }),
+      ([hidden]) => workers.send({ kind: "hide", hidden }),
     );
   }
 
-  private send(message: ToWorker, transfer: Transferable[] = []): void {
-    this.worker.postMessage(message, transfer);
+  private get shown(): ShownTrees[] {
+    return this.groups.map(({ key, motion, ids }, g) => ({
+      key,
+      table: motion.sha256,
+      ids,
+      poses: this.eased[g].poses,
+    }));
   }
 
   loadTable(sha256: string): Promise<TableMotion> {
     return new Promise((resolve, reject) => {
       const waiting = this.waiting.get(sha256);
       this.waiting.set(sha256, [...(waiting ?? []), { resolve, reject }]);
-      if (!waiting) this.send({ kind: "load", sha256, url: absolute(tableUrl(sha256)) });
+      if (!waiting) this.workers.send({ kind: "load", sha256, url: absolute(tableUrl(sha256)) });
     });
   }
 
@@ -109,7 +117,7 @@ export class ForestClient {
   loadRecords(table: string, records: string): Promise<void> {
     return new Promise((resolve, reject) => {
       this.waitingRecords.set(table, { resolve, reject });
-      this.send({ kind: "loadRecords", table, url: absolute(recordsUrl(records)) });
+      this.workers.send({ kind: "loadRecords", table, url: absolute(recordsUrl(records)) });
     });
   }
 
@@ -120,62 +128,60 @@ export class ForestClient {
     arrived: () => void,
   ): void {
     const { share } = plan;
-    this.epoch++;
     this.replants ||= share?.replant ?? false;
-    this.next = groups.map(({ motion: { modes, levels }, ids }) => {
+    const eased = groups.map(({ motion: { modes, levels }, ids }) => {
       const { coordinates } = levels[levels.length - 1];
       return new EasedPoses(ids.length, modes, coordinates);
     });
-    this.spare = null;
+    this.next = { groups, eased };
     this.arrived = arrived;
-    this.busy = true;
-    const full: ForestPlan = {
+    const full = {
       ...plan,
       share: share && { ...share, replant: this.replants },
-      epoch: this.epoch,
       groups: groups.map(({ key, motion, leafTable, placement, ids, recorded, compliance }) => ({
         key,
         table: motion.sha256,
         leafTable,
         placement,
         ids,
+        rows: null,
         recorded,
         compliance: compliance && absolute(complianceUrl(compliance)),
       })),
     };
     const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
-    const { wind } = this.store.settings;
-    this.send({ kind: "plan", plan: full, wind, socketUrl });
+    const { wind, workers } = this.store.settings;
+    this.workers.plan({ plan: full, wind, socketUrl, workers });
   }
 
   /** Begins or continues a pull. */
   pull(order: PullOrder): void {
-    this.send({ kind: "pull", order });
+    this.workers.send({ kind: "pull", order });
   }
 
   release(hand: number): void {
-    this.send({ kind: "release", hand });
+    this.workers.send({ kind: "release", hand });
   }
 
   /** Sends a gust front through the forest from a place, m; also for all who share it. */
   gust(x_m: number, z_m: number): void {
-    this.send({ kind: "gust", x_m, z_m });
+    this.workers.send({ kind: "gust", x_m, z_m });
   }
 
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause(paused: boolean): void {
-    this.send({ kind: "pause", paused });
+    this.workers.send({ kind: "pause", paused });
   }
 
   /** Connects to the server at once if the connection is lost. */
   retry(): void {
-    this.send({ kind: "retry" });
+    this.workers.send({ kind: "retry" });
   }
 
   /** Requests the figures of one tree with every frame; null or a new plan ends it. */
   watch(at: TreeAt | null): void {
     this.watched = null;
-    this.send({ kind: "watch", at });
+    this.workers.send({ kind: "watch", at });
   }
 
   /** Newest poses of each moving group; distant trees are still on the way there. */
@@ -183,22 +189,9 @@ export class ForestClient {
     return this.eased.map(({ poses }) => poses);
   }
 
-  /** Advances the forest by a display step, seen from a place (m). While the worker is busy, the time accumulates. */
+  /** Advances the forest by a display step, seen from a place (m). */
   advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
-    this.backlog_s = Math.min(MAX_FRAME_S, this.backlog_s + dt_s);
-    if (this.busy || this.epoch === 0) return;
-    this.busy = true;
-    const { spare } = this;
-    this.spare = null;
-    const message: ToWorker = {
-      kind: "advance",
-      epoch: this.epoch,
-      dt_s: this.backlog_s,
-      viewer: [from.x, from.z],
-      spare,
-    };
-    this.backlog_s = 0;
-    this.send(message, spare ? packetBuffers(spare) : []);
+    this.workers.advance(dt_s, [from.x, from.z]);
   }
 
   /** Whether the trees of the last plan have appeared. */
@@ -208,7 +201,7 @@ export class ForestClient {
 
   /** Whether the last request is still unanswered. */
   get isBusy(): boolean {
-    return this.busy;
+    return this.workers.isBusy;
   }
 
   /** Whether new poses have arrived since the last call. */
@@ -218,7 +211,7 @@ export class ForestClient {
     return fresh;
   }
 
-  private receive(message: FromWorker): void {
+  private receive(message: FromWorkers): void {
     if (message.kind === "poses") this.receivePoses(message);
     else if (message.kind === "table")
       this.settle(message.motion.sha256, ({ resolve }) => resolve(message.motion));
@@ -231,14 +224,14 @@ export class ForestClient {
   }
 
   /** Shows what went wrong. A forest that is too large for the stream is moved here from now on. */
-  private complain({ title, hint, code }: Extract<FromWorker, { kind: "problem" }>): void {
+  private complain({ title, hint, code }: Extract<FromWorkers, { kind: "problem" }>): void {
     const tooLarge = code === "too-many-trees";
     showToast(title, tooLarge ? "This browser computes the motion now." : hint);
     if (tooLarge) this.store.adopt({ lookup: "worker" });
   }
 
   /** What other clients have changed in a shared forest, and how many there are. */
-  private adopt(message: Extract<FromWorker, { kind: "shared" | "present" | "sharedWind" }>): void {
+  private adopt(message: Extract<FromWorkers, { kind: "shared" | "present" | "sharedWind" }>): void {
     const { store } = this;
     if (message.kind === "present") store.state.present = message.clients;
     else if (message.kind === "shared") {
@@ -259,14 +252,17 @@ export class ForestClient {
     this.waiting.delete(sha256);
   }
 
-  private receivePoses(message: Extract<FromWorker, { kind: "poses" }>): void {
-    if (message.epoch !== this.epoch) return;
-    const { arrived } = this;
-    this.arrived = null;
-    if (arrived) this.eased = this.next;
-    const at = { row: 0, near: 0, far: 0 };
-    for (const [g, poses] of this.eased.entries()) poses.take(message.packet, g, at);
-    this.spare = message.packet;
+  private receivePoses(message: Extract<FromWorkers, { kind: "poses" }>): void {
+    const { arrived, next } = this;
+    if (message.planned && next) {
+      this.arrived = this.next = null;
+      ({ groups: this.groups, eased: this.eased } = next);
+    }
+    if (!this.fresh) for (const poses of this.eased) poses.begin();
+    for (const { packet, parts } of message.packets) {
+      const at = { row: 0, near: 0, far: 0 };
+      for (const [part, { group, rows }] of parts.entries()) this.eased[group].take(packet, part, at, rows);
+    }
     this.time_s = message.time_s;
     this.work = message.work;
     this.lookup_ms += 0.1 * (message.work.total_ms - this.lookup_ms);
@@ -275,12 +271,11 @@ export class ForestClient {
     this.extrapolationRatio = message.extrapolationRatio;
     this.watched = message.watched;
     this.pulled = message.pulled;
-    this.busy = false;
     this.fresh = true;
-    arrived?.();
+    if (message.planned) arrived?.();
   }
 
   dispose(): void {
-    this.worker.terminate();
+    this.workers.dispose();
   }
 }

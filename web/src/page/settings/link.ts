@@ -27,9 +27,9 @@ function numbers(list: string | null, count: number, limit: number): number[] | 
 
 /** A query that shows the same picture in another browser. */
 export function shareQuery(settings: Settings, moment: Moment): string {
-  // Always include the number of trees, because its default depends on the screen; quality and frame rate are the receiver's.
-  const { quality, frameRateLimit_hz } = settings;
-  const usual = { ...DEFAULTS, trees: Number.NaN, quality, frameRateLimit_hz };
+  // Always include the number of trees, because its default depends on the screen; quality, frame rate and workers are the receiver's.
+  const { quality, frameRateLimit_hz, workers } = settings;
+  const usual = { ...DEFAULTS, trees: Number.NaN, quality, frameRateLimit_hz, workers };
   const query = new URLSearchParams(queryFromSettings(settings, usual));
   query.set("view", text([...moment.eye, ...moment.target], 2));
   query.set("at", text([moment.time_s], 2));

@@ -35,6 +35,8 @@ export interface Settings {
   method: Method;
   /** Fraction of the distance to the found record's pose covered per step; null: the default of each table. */
   poseEasing: number | null;
+  /** Number of workers that divide the trees; null: by their number and the processor's cores. */
+  workers: number | null;
   quality: Quality;
   /** Pictures per second at most; the motion keeps its speed. */
   frameRateLimit_hz: number;
@@ -58,6 +60,7 @@ export const LIMITS = {
   forestSeed: { min: 0, max: 9999, step: 1 },
   ownTrees: { min: 0, max: MOST_OWN_TREES, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
+  workers: { min: 1, max: 8, step: 1 },
   daytime: DAYTIMES,
   exaggeration: { min: 1, max: 4, step: 0.1 },
   frameRateLimit_hz: { min: 5, max: 240, step: 1 },
@@ -83,6 +86,7 @@ export const DEFAULTS: Settings = {
   lookup: "worker",
   method: "modal",
   poseEasing: null,
+  workers: null,
   quality: "high",
   frameRateLimit_hz: 240,
   season: "autumn",
@@ -100,6 +104,7 @@ const NAMES: Record<NumberKey, string> = {
   forestSeed: "forest",
   ownTrees: "own",
   poseEasing: "easing",
+  workers: "workers",
   daytime: "time",
   exaggeration: "motion",
   frameRateLimit_hz: "fps",

@@ -36,10 +36,13 @@ export function keep(settings: Settings, defaults: Settings, shelf: () => Shelf)
   }
 }
 
-/** What is kept for the next visit: an inventory belongs to its address, and the trees grown for its stems to it. */
+/**
+ * What is kept for the next visit: an inventory belongs to its address, and the trees grown for its stems to it; so does a number of
+ * workers, which no control shows.
+ */
 export function keptOf({ settings, defaults, state }: Store): Settings {
-  const { inventory, ownTrees } = defaults;
-  return { ...settings, inventory, ...(state.inventory !== null && { ownTrees }) };
+  const { inventory, ownTrees, workers } = defaults;
+  return { ...settings, inventory, workers, ...(state.inventory !== null && { ownTrees }) };
 }
 
 /** Keeps address and storage up to date from now on. */

@@ -52,36 +52,55 @@ export class EasedPoses implements Easing {
     }
   }
 
-  /** Takes a part of the next frame's packet; `at`: where it begins, which is moved behind it. */
-  take(packet: PosePacket, group: number, at: { row: number; near: number; far: number }): void {
+  /** Begins a frame, which takes no packets, one or several. */
+  begin(): void {
     this.frame++;
+  }
+
+  /**
+   * Takes a part of a packet; `at`: where it begins, which is moved behind it. `rows`: index here of each tree of the packet's
+   * group, if that has not all trees.
+   */
+  take(
+    packet: PosePacket,
+    group: number,
+    at: { row: number; near: number; far: number },
+    rows: Uint32Array | null = null,
+  ): void {
     const { near, all, far, periods } = packet.groups[group];
-    if (all) {
+    if (all && !rows) {
       this.poses.set(packet.rows.subarray(at.row, at.row + this.poses.length));
       this.period.fill(0);
-    } else this.takeNear(packet, near, at);
+    } else this.takeNear(packet, near, all, at, rows);
     at.row += near * this.stride;
     if (!all) at.near += near;
     for (const [level, count] of far.entries()) {
-      for (let k = at.far; k < at.far + count; k++) this.takeFar(packet, k, periods[level]);
+      for (let k = at.far; k < at.far + count; k++)
+        this.takeFar(packet, k, periods[level], rows ? rows[packet.far[k]] : packet.far[k]);
       at.far += count;
     }
   }
 
-  private takeNear({ rows, near }: PosePacket, count: number, at: { row: number; near: number }): void {
+  private takeNear(
+    packet: PosePacket,
+    count: number,
+    all: boolean,
+    at: { row: number; near: number },
+    rows: Uint32Array | null,
+  ): void {
     const { poses, stride, period } = this;
     for (let k = 0; k < count; k++) {
-      const tree = near[at.near + k];
+      const listed = all ? k : packet.near[at.near + k];
+      const tree = rows ? rows[listed] : listed;
       const [from, to] = [at.row + k * stride, tree * stride];
-      for (let c = 0; c < stride; c++) poses[to + c] = rows[from + c];
+      for (let c = 0; c < stride; c++) poses[to + c] = packet.rows[from + c];
       period[tree] = 0;
     }
   }
 
   /** From what is displayed to the next pose. */
-  private takeFar({ leading, far }: PosePacket, at: number, period: number): void {
+  private takeFar({ leading }: PosePacket, at: number, period: number, tree: number): void {
     const { poses, before, coordinates, stride, modes } = this;
-    const tree = far[at];
     this.frame--; // what the last frame displayed
     const share = this.share(tree);
     this.frame++;

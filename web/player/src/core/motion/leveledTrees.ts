@@ -27,14 +27,16 @@ export class LeveledTrees extends SteppedTrees<CoarseForest> {
   /** The trees of the present frame; null: all. */
   changed: Changed | null = null;
 
+  /** `rows`: of SimulationLevels. */
   constructor(
     lookup: CoarseForest,
     gusts: PlaceGusts,
     override readonly wind: LeveledWind,
     modes: number,
+    rows: Uint32Array | null,
   ) {
     super(lookup, gusts, wind, modes);
-    this.levels = new SimulationLevels(wind.x, wind.z, (tree) => lookup.leaveOut(tree));
+    this.levels = new SimulationLevels(wind.x, wind.z, (tree) => lookup.leaveOut(tree), rows);
   }
 
   /** Distant trees are also stepped less often. */

@@ -61,8 +61,10 @@ export class FramePace {
 export class SimulationLevels {
   /** Level of each tree: 0 near, then those of FAR_LEVELS. */
   private readonly level: Uint8Array;
-  /** The lowest level in each block. */
+  /** The lowest level in each block, where it begins, and when it has its turn. */
   private readonly lowest: Uint8Array;
+  private readonly starts: Uint32Array;
+  private readonly turns: Uint32Array;
   /** Time to which each distant tree has been stepped. */
   private readonly until_s: Float64Array;
   private readonly lists: readonly Uint32Array[];
@@ -70,14 +72,21 @@ export class SimulationLevels {
   private viewer: readonly [number, number] | null = null;
   private placed = false;
 
-  /** Where the trees stand, m. `left`: called for each tree that becomes distant. */
+  /**
+   * Where the trees stand, m. `left`: called for each tree that becomes distant. `rows`: index of each tree among more, by which
+   * it has its turns, in ascending order; null: these are all.
+   */
   constructor(
     private readonly x: Float32Array,
     private readonly z: Float32Array,
     private readonly left: (tree: number) => void,
+    rows: Uint32Array | null = null,
   ) {
     this.level = new Uint8Array(x.length);
-    this.lowest = new Uint8Array(Math.ceil(x.length / BLOCK_TREES));
+    const { starts, turns } = blocksOf(x.length, rows);
+    this.starts = Uint32Array.from(starts);
+    this.turns = Uint32Array.from(turns);
+    this.lowest = new Uint8Array(turns.length);
     this.until_s = new Float64Array(x.length);
     this.lists = Array.from({ length: 1 + FAR_LEVELS.length }, () => new Uint32Array(x.length));
   }
@@ -93,7 +102,7 @@ export class SimulationLevels {
     for (const tree of trees) {
       this.kept.add(tree);
       this.level[tree] = 0;
-      this.lowest[Math.floor(tree / BLOCK_TREES)] = 0;
+      this.lowest[this.starts.findLastIndex((start) => start <= tree)] = 0;
     }
   }
 
@@ -112,7 +121,7 @@ export class SimulationLevels {
 
   /** The trees to step in a frame that begins at a time (s) and lasts some. */
   begin(time_s: number, pace: FramePace): Turn {
-    const { level, lowest, lists } = this;
+    const { level, lowest, lists, starts, turns } = this;
     if (this.viewer && !this.placed) {
       for (let block = 0; block < lowest.length; block++) this.update(block, time_s);
       this.placed = true;
@@ -120,14 +129,13 @@ export class SimulationLevels {
     const counts = lists.map(() => 0);
     const periods = FAR_LEVELS.map((_, k) => pace.periodOf(k));
     for (let block = 0; block < lowest.length; block++) {
-      const turn = block + pace.frame;
+      const turn = turns[block] + pace.frame;
       // the highest level whose turn it is, and with it all below
       let most = periods.length;
       while (most > 0 && (turn & (periods[most - 1] - 1)) !== 0) most--; // periods are powers of two
       if (most === periods.length) this.update(block, time_s);
       if (lowest[block] > most) continue;
-      const end = Math.min(level.length, (block + 1) * BLOCK_TREES);
-      for (let tree = block * BLOCK_TREES; tree < end; tree++) {
+      for (let tree = starts[block]; tree < starts[block + 1]; tree++) {
         const own = level[tree];
         if (own <= most) lists[own][counts[own]++] = tree;
       }
@@ -153,10 +161,9 @@ export class SimulationLevels {
 
   /** Gives the trees of a block their levels by distance. */
   private update(block: number, time_s: number): void {
-    const { viewer, x, z, level, kept } = this;
+    const { viewer, x, z, level, kept, starts } = this;
     if (!viewer) return;
-    const end = Math.min(level.length, (block + 1) * BLOCK_TREES);
-    for (let tree = block * BLOCK_TREES; tree < end; tree++) {
+    for (let tree = starts[block]; tree < starts[block + 1]; tree++) {
       const dx = x[tree] - viewer[0];
       const dz = z[tree] - viewer[1];
       const before = level[tree];
@@ -171,10 +178,22 @@ export class SimulationLevels {
 
   private sumUp(block: number): void {
     let lowest: number = FAR_LEVELS.length;
-    const end = Math.min(this.level.length, (block + 1) * BLOCK_TREES);
-    for (let tree = block * BLOCK_TREES; tree < end; tree++) lowest = Math.min(lowest, this.level[tree]);
+    const { starts, level } = this;
+    for (let tree = starts[block]; tree < starts[block + 1]; tree++) lowest = Math.min(lowest, level[tree]);
     this.lowest[block] = lowest;
   }
+}
+
+/** Where the blocks of trees begin, and the end of the last one; and when they have their turns. */
+function blocksOf(count: number, rows: Uint32Array | null): { starts: number[]; turns: number[] } {
+  const [starts, turns]: number[][] = [[], []];
+  for (let tree = 0; tree < count; tree++) {
+    const turn = Math.floor((rows ? rows[tree] : tree) / BLOCK_TREES);
+    if (turn === turns[turns.length - 1]) continue;
+    starts.push(tree);
+    turns.push(turn);
+  }
+  return { starts: [...starts, count], turns };
 }
 
 /** The level at a distance; `before` is the present one. */

@@ -30,6 +30,8 @@ export interface LocalGroup extends ShownGroup {
   /** Records of the table; without them its trees use the modal method. */
   readonly records: Records | null;
   readonly placement: Float32Array;
+  /** Index of each tree among those of all workers, if others have the rest. */
+  readonly rows?: Uint32Array | null;
   /** Address of its compliance file. */
   readonly compliance: string | null;
 }
@@ -50,7 +52,7 @@ interface Moving {
 
 /** The trees of a group; those of the modal method have simulation levels. `poseEasing`: of the paper's method. */
 function treesOf(
-  { table, records, placement }: LocalGroup,
+  { table, records, placement, rows = null }: LocalGroup,
   method: Method,
   poseEasing: number | null,
 ): SteppedTrees<PaperForest | ModalForest> {
@@ -70,7 +72,7 @@ function treesOf(
   const gusts = new PlaceGusts(table.modal, count);
   // Without the kernel there are no coarse models.
   return lookup.compiled
-    ? new LeveledTrees(lookup, gusts, wind, modes)
+    ? new LeveledTrees(lookup, gusts, wind, modes, rows)
     : new SteppedTrees(lookup, gusts, wind, modes);
 }
 

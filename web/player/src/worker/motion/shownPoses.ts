@@ -38,6 +38,13 @@ export class ShownPoses {
     return starts;
   }
 
+  /** Displays these trees, at rest in their poses. */
+  show(groups: readonly ShownGroup[], poses: readonly Float32Array[]): void {
+    this.groups = groups;
+    this.now = [...poses];
+    this.last = [...poses];
+  }
+
   private startOf(group: ShownGroup): StartOfGroup | null {
     const carried = carryGroup(group, this.groups, this.now);
     const before = carried && carryGroup(group, this.groups, this.last);
