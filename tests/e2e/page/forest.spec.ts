@@ -1,4 +1,4 @@
-import { background, changedPixels, expect, forest, frames, open, picture, SMALL, steadyDisplacement_m, sway_m, test } from "../forest";
+import { background, changedPixels, elapse, expect, forest, frames, open, picture, SMALL, steadyDisplacement_m, sway_m, test } from "../forest";
 
 test.describe("pictures", () => {
   test.use({ drawn: "always" });
@@ -81,6 +81,20 @@ test("the worker and the server compute the same displacement in a steady wind",
   }
   const [worker, server] = displacements;
   expect(Math.hypot(worker[0] - server[0], worker[1] - server[1])).toBeLessThan(0.1 * Math.hypot(...worker));
+});
+
+test("two workers share the trees and move all of them as one does", async ({ page }) => {
+  const ends: (readonly number[])[] = [];
+  for (const count of [1, 2]) {
+    await open(page, `${SMALL.replace("trees=6", "trees=1500")}&speed=12&direction=30&gust=0&workers=${count}`);
+    await forest(page);
+    expect(page.workers().filter((worker) => worker.url().includes("forest.worker")).length).toBe(count);
+    const { crowns_m } = await elapse(page, 10);
+    ends.push(crowns_m[crowns_m.length - 1]);
+  }
+  const [one, two] = ends;
+  expect(Math.hypot(...one)).toBeGreaterThan(0.02);
+  expect(Math.hypot(...one.map((metres, axis) => metres - two[axis]))).toBeLessThan(0.05 * Math.hypot(...one));
 });
 
 test.describe("on a phone", () => {
