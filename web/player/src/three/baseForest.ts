@@ -19,6 +19,7 @@ import type { NodeRenderer, TreeGraphics } from "../trees/nodes/nodeGraphics";
 import type { MaterialMaker } from "../trees/partMaterials";
 import { SpeciesForest, type SpeciesOptions } from "../trees/speciesForest";
 import { pickTree } from "../trees/treePick";
+import type { WorkerPort } from "../worker/divided/dividedWorker";
 import { type MaterialFactory, ownMaterial } from "./ownMaterial";
 import { Planted } from "./planted";
 import { instancesOf, placementOf } from "./standing";
@@ -37,8 +38,11 @@ export interface ForestOptions extends Partial<ViewOptions> {
   readonly wind: Wind;
   /** Materials instead of those in the meshes. */
   readonly materials?: MaterialFactory;
-  /** Starts `galewood.worker.js`, where a bundler does not find it. */
-  readonly worker?: () => Worker;
+  /**
+   * Starts `galewood.worker.js`, where a bundler does not find it, or another worker: `severalWorkers` of `galewood/workers`,
+   * `streamed` of `galewood/stream`. `start`: starts the usual one.
+   */
+  readonly worker?: (start: () => Worker) => WorkerPort;
 }
 
 /** A tree that a ray has hit. */
@@ -129,7 +133,7 @@ export class BaseForest extends Group {
     super();
     this.blowing = checkedWind(wind); // before a worker is started
     this.viewing = { detail_m: view.detail_m ?? [34, 80], shadow_m: view.shadow_m ?? 120 };
-    this.client = new WorkerClient(worker());
+    this.client = new WorkerClient(worker(startWorker));
     this.client.failed = (fault) => {
       if (!this.disposed) console.error(fault);
     };

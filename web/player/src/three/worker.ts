@@ -2,6 +2,7 @@
 
 import type { DrawnMotion } from "../core/table/drawnTable";
 import type { WindDocument } from "../core/wind/document";
+import type { WorkerPort } from "../worker/divided/dividedWorker";
 import type { Floats, FromWorker, GroupFrame, ToWorker } from "../worker/simple/messages";
 import { startAt } from "./start";
 
@@ -50,7 +51,7 @@ export class WorkerClient {
   /** Why the worker no longer runs. */
   private ended: Error | null = null;
 
-  constructor(private readonly worker: Worker) {
+  constructor(private readonly worker: WorkerPort) {
     worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
     worker.onerror = (event) => this.fail(event.message || UNREADABLE_FILE);
   }

@@ -7,15 +7,13 @@ import type { PosePacket } from "../../core/motion/posePacket";
 import type { WindDocument } from "../../core/wind/document";
 import type { ForestPlan, FromWorker, ShownTrees, ToWorker } from "../protocol";
 import { Member, type MemberEvents, type Poses } from "./member";
-import { isDivisible, type PartOfGroup, sharesOf, treeIn, treeOf, workersFor } from "./shares";
+import { isDivisible, MOST_LATE_S, type PartOfGroup, sharesOf, treeIn, treeOf, workersFor } from "./shares";
 
-/** A worker may be this late (s) before it holds up the others. Longer pauses, for example of a hidden tab, are skipped. */
-const MOST_LATE_S = 0.25;
 /** Workers that are replaced before the forest is given up. */
 const MOST_LOST = 3;
 
 /** Poses of a worker, and which trees it has. */
-export interface SharePacket {
+interface SharePacket {
   readonly packet: PosePacket;
   readonly parts: readonly PartOfGroup[];
 }

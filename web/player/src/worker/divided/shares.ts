@@ -9,7 +9,10 @@ const DIVIDED_FROM_CORES = 4;
 const CORES_PER_WORKER = 2;
 export const MOST_WORKERS = 4;
 /** A smaller group stays in one worker: each group costs some time in every step, however many trees it has. */
-const DIVIDED_GROUP_TREES = 512;
+export const DIVIDED_GROUP_TREES = 512;
+
+/** A worker may be this late (s) before it holds up the others. Longer pauses, for example of a hidden tab, are skipped. */
+export const MOST_LATE_S = 0.25;
 
 /** Where the trees of a worker's group are in the whole plan: index of the group, and of each tree in it. */
 export interface PartOfGroup extends Pick<GroupPlan, "rows"> {
