@@ -208,7 +208,7 @@ describe("trees replace those of a shared forest once, and not again when the co
     await import("../../../../web/player/src/worker/forestWorker");
     const share = { id: "meadow", replant: true, about: {} };
     const plan = { epoch: 1, groups: [], lookup: "worker", from_s: 0, method: "modal", poseEasing: null, share };
-    worker.onmessage({ data: { kind: "plan", plan, wind: PRESETS.still, socketUrl: "ws://here" } });
+    worker.onmessage({ data: { kind: "plan", plan, wind: PRESETS.still, socketUrl: "ws://here", shown: [] } });
     check();
   });
 
