@@ -240,13 +240,22 @@ describe("for the generated forest", () => {
   });
 
   test("more trees in the forest need few others; another seed needs all", async () => {
-    const { settings } = started({}, null);
+    const { state, settings, tools } = started({}, null);
     settings.ownTrees = 8;
     await settle();
     const before = new Set(page.orders.map(idOf));
     settings.trees = 60;
     await settle();
     expect(orders(8, settings).filter((order) => !before.has(idOf(order))).length).toBeLessThan(3);
+    for (const order of orders(8, settings)) page.there.add(idOf(order));
+    tools.again();
+    await settle();
+    const kept = state.individuals;
+    expect(state.growth).toMatchObject({ at: "planted", trees: 8, shown: 60, all: 60 });
+    settings.trees = 61; // the same trees stand for one more
+    await settle();
+    expect(state.individuals).toBe(kept);
+    expect(state.growth).toMatchObject({ at: "planted", trees: 8, shown: 61, all: 61 });
     settings.forestSeed = 8;
     await settle();
     expect(orders(8, settings).some((order) => before.has(idOf(order)))).toBe(false);
@@ -275,7 +284,7 @@ describe("for the generated forest", () => {
     tools.again();
     await settle();
     expect(state.growth).toMatchObject({ title: "The server is not connected.", final: false });
-    expect(growthWords(state.growth, "trees")).toContain("The built-in trees stand for the others.");
+    expect(growthWords(state.growth, "trees")).toMatch(/^The server is not connected\. \w.+\. The built-in trees stand/);
     page.fault = page.cannotGrow = null;
     for (const order of orders(2, settings)) page.there.add(idOf(order));
     tools.again();

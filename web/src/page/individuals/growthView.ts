@@ -24,9 +24,8 @@ export function growthWords(state: GrowthState, places: string): string {
   if (state.at === "growing") return `Growing trees of their own: ${state.done} of ${state.all}`;
   if (state.at === "planted")
     return `${state.trees} trees of their own stand for ${state.shown} of ${state.all} ${places}.`;
-  return state.at === "refused"
-    ? `${state.title} ${state.hint} The built-in trees stand for the others.`
-    : "";
+  if (state.at === "none") return "";
+  return `${state.title.replace(/\.$/, "")}. ${state.hint} The built-in trees stand for the others.`;
 }
 
 export class GrowthView {

@@ -116,7 +116,11 @@ export class Individuals {
       return;
     const orders = this.ordersFor(ownTrees);
     const text = textOf(orders);
-    if (text === this.asked) return;
+    if (text === this.asked) {
+      // the same trees may stand for more or fewer
+      if (state.growth.at === "planted") state.growth = this.plantedState(state.individuals);
+      return;
+    }
     this.asked = text;
     if (text === this.planted.orders || orders.length === 0) {
       this.growth.cancel();
