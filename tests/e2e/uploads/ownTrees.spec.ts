@@ -43,7 +43,7 @@ test("stems get trees of their own, and their built-in ones back", async ({ page
   await expect.poll(async () => (await grownTrees(page)).filter(({ state }) => state !== "ready")).toEqual([]);
 
   await trees.fill("3");
-  await expect(card).toContainText("3 trees take 21 s of its processors");
+  await expect(card).toContainText("3 trees take 27 s of its processors");
   await card.getByRole("button", { name: "Grow own trees" }).click();
   await expect(card).toContainText("3 trees of their own stand for 4 of 4 stems.", { timeout: 120_000 });
   const grown = await grownTrees(page);

@@ -5,7 +5,7 @@ import type { GrowthState } from "../store/store";
 import { make, makeButton, write } from "../ui/dom";
 
 /** Measured (docs/design/0036-individuals.md): time of one core; light mesh and table, whose pictures are there. */
-const SECONDS_PER_TREE = 7;
+const SECONDS_PER_TREE = 9;
 const MEGABYTES_PER_TREE = 0.44;
 
 export interface GrowthTools {
