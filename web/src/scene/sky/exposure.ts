@@ -29,6 +29,8 @@ export const GAINS = { least: 0.82, most: 1.75 } as const;
 const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
 const USUAL_LIGHT = 0.6;
+/** Light of a view with hardly any crown nearby, and with none: mostly sky and sunlit land. */
+const OPEN_LIGHTS = [0.85, 1] as const;
 const EASE_S = 0.5;
 const SETTLED_CHANGE = 0.004;
 
@@ -137,9 +139,10 @@ export function viewLight(gaze: Gaze, scene: Surroundings): number {
  * exposure of the hour already allows for. `sunSine`: sine of the sun's elevation.
  */
 export function gainFor(light: number, sunSine = 1): number {
-  const gain = (Math.max(1e-6, light) / USUAL_LIGHT) ** -ADAPTATION_SHARE;
-  const wanted = 1 + (gain - 1) * (0.3 + 0.7 * smoothstep(0.08, 0.45, sunSine));
-  return Math.min(GAINS.most, Math.max(GAINS.least, wanted));
+  const below = Math.max(1, (Math.max(1e-6, light) / USUAL_LIGHT) ** -ADAPTATION_SHARE);
+  const inOpen = (GAINS.least - 1) * smoothstep(OPEN_LIGHTS[0], OPEN_LIGHTS[1], light);
+  const wanted = 1 + (below - 1 + inOpen) * (0.3 + 0.7 * smoothstep(0.08, 0.45, sunSine));
+  return Math.min(GAINS.most, wanted);
 }
 
 /** One step of the gain towards its target; reaches it exactly. */
