@@ -77,7 +77,7 @@ await write({ compute: "compute" });
 await write({ stream: "stream" });
 await write({ "galewood.stream.worker": "streamWorker" });
 await write({ inventory: "inventory" });
-await write({ workers: "workers" });
+await write({ workers: "worker/divided/severalWorkers" });
 // Building blocks share code with each other, not with the entry points above.
 const blocks = ["trees", "wind", "motion", "random", "client"];
 await write(Object.fromEntries(blocks.map((name) => [name, name])), {

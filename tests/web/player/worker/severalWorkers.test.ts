@@ -7,7 +7,7 @@ import type { WorkerPort } from "../../../../web/player/src/worker/divided/divid
 import type { FromWorker, ToWorker } from "../../../../web/player/src/worker/simple/messages";
 import { answer } from "../../../../web/player/src/worker/simple/serve";
 import { Stepper } from "../../../../web/player/src/worker/simple/stepper";
-import { severalWorkers } from "../../../../web/player/src/workers";
+import { severalWorkers } from "../../../../web/player/src/worker/divided/severalWorkers";
 import { seededRandom } from "../../seeded";
 
 const [POPLAR, APRICOT] = ["poplar", "apricot"].map((name) => readFileSync(`assets/species/shipped/${name}.table`));

@@ -1,6 +1,6 @@
 /** Several workers for large forests: `new Forest({ wind, worker: severalWorkers() })`. */
-import { DividedWorker, type WorkerPort } from "./worker/divided/dividedWorker";
-import { workersFor } from "./worker/divided/shares";
+import { DividedWorker, type WorkerPort } from "./dividedWorker";
+import { workersFor } from "./shares";
 
 export type { WorkerPort };
 
