@@ -149,17 +149,20 @@ describe("exposure", () => {
     expect(crownDistance({ x: 0, y: 0, z: -10 }, { x: 0, y: 1, z: 0 }, crowns, 0)).toBeCloseTo(1, 9);
   });
 
-  it("takes light off in the open, adds some below crowns, less without leaves, and stays within its limits", () => {
+  it("is 1 in the open, less high above it, more below crowns, less without leaves, and stays within its limits", () => {
     expect(viewLight(gaze, scene([]))).toBe(1);
-    expect(gainFor(1)).toBeLessThan(0.85);
+    expect(gainFor(1)).toBe(1);
+    expect(gainFor(1, 1, 60)).toBe(GAINS.least);
     const below = viewLight(gaze, scene(grove));
     const bare = viewLight(gaze, scene(grove, 0.25));
     expect(below).toBeLessThan(0.5);
     expect(bare).toBeGreaterThan(below);
     expect(gainFor(below)).toBeGreaterThan(gainFor(bare));
     for (const light of [0, 1e-9, 0.1, 0.5, 1, 3]) {
-      expect(gainFor(light)).toBeGreaterThanOrEqual(GAINS.least);
-      expect(gainFor(light)).toBeLessThanOrEqual(GAINS.most);
+      for (const above_m of [0, 20, 100]) {
+        expect(gainFor(light, 1, above_m)).toBeGreaterThanOrEqual(GAINS.least);
+        expect(gainFor(light, 1, above_m)).toBeLessThanOrEqual(GAINS.most);
+      }
     }
   });
 

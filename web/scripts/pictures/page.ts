@@ -12,6 +12,8 @@ export const TINY_VIEWPORT = { width: 96, height: 54 };
 export const PATIENCE_MS = 900_000;
 const STEP_S = 0.05;
 const MOST_BAKING_FRAMES = 900;
+/** Nothing but sky. */
+const SKY_VIEW = { eye: { x: 0, above: 400, z: 0 }, at: { x: 200, above: 500, z: 0 } } as const;
 const QUALITIES = [84, 78, 70, 60];
 const MOST_BYTES = 300_000;
 
@@ -30,13 +32,16 @@ export async function forest(page: Page, query: string): Promise<void> {
 
 /** Waits until distant trees have their pictures, a few of which are made per frame. Meanwhile only sky is seen, which is drawn fast. */
 async function bakeImpostors(page: Page): Promise<void> {
-  await page.evaluate(async (mostFrames) => {
-    window.galewood?.look({ x: 0, above: 400, z: 0 }, { x: 200, above: 500, z: 0 });
-    for (let k = 0; k < mostFrames; k++) {
-      await window.galewood?.step(0);
-      if (window.galewood?.statistics.impostors.ready) return;
-    }
-  }, MOST_BAKING_FRAMES);
+  await page.evaluate(
+    async ({ mostFrames, sky }) => {
+      window.galewood?.look(sky.eye, sky.at);
+      for (let k = 0; k < mostFrames; k++) {
+        await window.galewood?.step(0);
+        if (window.galewood?.statistics.impostors.ready) return;
+      }
+    },
+    { mostFrames: MOST_BAKING_FRAMES, sky: SKY_VIEW },
+  );
 }
 
 /** Advances by `count` time steps without drawing. */
@@ -50,6 +55,7 @@ export async function steps(page: Page, count: number, dt_s = STEP_S): Promise<v
 }
 
 export async function dress(page: Page, { season, daytime, eye, at, wind }: Shot): Promise<void> {
+  // Where winter begins or ends, distant trees are drawn once more.
   await page.evaluate(
     ({ season, daytime, wind }) => {
       if (wind) window.galewood?.setWind(wind);
@@ -57,8 +63,14 @@ export async function dress(page: Page, { season, daytime, eye, at, wind }: Shot
     },
     { season, daytime, wind },
   );
-  await bakeImpostors(page); // where winter begins or ends, once more
-  await page.evaluate(({ eye, at }) => window.galewood?.look(eye, at), { eye, at });
+  await bakeImpostors(page);
+  await page.evaluate(
+    ({ season, daytime, eye, at }) => {
+      window.galewood?.look(eye, at);
+      window.galewood?.dress(season, daytime); // the exposure adapts to this view at once
+    },
+    { season, daytime, eye, at },
+  );
 }
 
 /** Resizes the viewport and waits for the layout. */

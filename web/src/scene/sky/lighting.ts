@@ -17,6 +17,8 @@ const MOVED_M = 5;
 /** Light that a crown holds back, in leaf and bare. */
 const CROWN_DENSITY = { leaf: 0.92, bare: 0.25 } as const;
 
+const aboveGround_m = ({ position: { x, y, z } }: PerspectiveCamera): number => y - groundHeight_m(x, z);
+
 export class Lighting {
   private clear: Atmosphere | null = null;
   private season: Season = "autumn";
@@ -88,7 +90,7 @@ export class Lighting {
   /** Exposure of the next picture, dt_s after the last one. */
   expose(dt_s: number, camera: PerspectiveCamera): number {
     if (this.gain === 0 || this.pictures++ % LOOK_EVERY === 0)
-      this.target = gainFor(this.seen(camera), this.daylight.towardsSun.y);
+      this.target = gainFor(this.seen(camera), this.daylight.towardsSun.y, aboveGround_m(camera));
     this.gain = this.gain === 0 ? this.target : easeGain(this.gain, this.target, dt_s);
     return this.exposure * this.gain;
   }
@@ -104,7 +106,7 @@ export class Lighting {
       {
         crowns: this.crownsNear(eye),
         sun: this.daylight.towardsSun,
-        ground_m: groundHeight_m(eye.x, eye.z),
+        ground_m: eye.y - aboveGround_m(camera),
         density: this.season === "winter" ? CROWN_DENSITY.bare : CROWN_DENSITY.leaf,
       },
     );
