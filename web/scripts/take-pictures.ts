@@ -18,7 +18,7 @@ try {
   const page = await browser.newPage({ viewport: TINY_VIEWPORT });
   page.setDefaultTimeout(PATIENCE_MS);
   const shots = Object.entries(SHOTS).filter(([name]) => wants(name));
-  if (shots.length > 0) await forest(page, `${LOOK_QUERY}&speed=7&panel=0`);
+  if (shots.length > 0) await forest(page, `${LOOK_QUERY}&speed=7&panel=0`, false);
   for (const [name, shot] of shots) await take(page, name, shot);
   for (const [name, panel] of Object.entries(PANELS)) if (wants(name)) await panel(page, browser);
   if (wants("film")) await film(page);

@@ -19,7 +19,7 @@ export async function film(page: Page): Promise<void> {
   rmSync(folder, { recursive: true, force: true });
   mkdirSync(folder, { recursive: true });
   await page.setViewportSize(TINY_VIEWPORT);
-  await forest(page, `${LOOK_QUERY}&panel=0`);
+  await forest(page, `${LOOK_QUERY}&panel=0`, false);
   await dress(page, SHOTS.storm);
   await steps(page, 280, 0.05);
   await resize(page, FILM_SIZE);

@@ -19,15 +19,18 @@ const MOST_BYTES = 300_000;
 
 export const LOOK_QUERY = `quality=${process.env.QUALITY ?? "medium"}&trees=${process.env.TREES ?? 320}&density=1.2`;
 
-/** Opens a forest, waits until every tree moves, and stops its frame loop. */
-export async function forest(page: Page, query: string): Promise<void> {
+/**
+ * Opens a forest, waits until every tree moves, and stops its frame loop. `baked`: waits for the pictures of distant trees, too; `dress` makes
+ * them faster.
+ */
+export async function forest(page: Page, query: string, baked = true): Promise<void> {
   await page.goto(`${BASE_URL}/?${query}`, { waitUntil: "commit" });
   await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0);
   await page.waitForFunction(
     () => window.galewood?.allPlanted && window.galewood.trees.still === 0 && window.galewood.time_s > 0,
   );
+  if (baked) await page.waitForFunction(() => window.galewood?.statistics.impostors.ready);
   await page.evaluate(() => window.galewood?.sleep(true));
-  await bakeImpostors(page);
 }
 
 /** Waits until distant trees have their pictures, a few of which are made per frame. Meanwhile only sky is seen, which is drawn fast. */
