@@ -152,7 +152,7 @@ describe("exposure", () => {
   it("is 1 in the open, less high above it, more below crowns, less without leaves, and stays within its limits", () => {
     expect(viewLight(gaze, scene([]))).toBe(1);
     expect(gainFor(1)).toBe(1);
-    expect(gainFor(1, 1, 60)).toBe(GAINS.least);
+    expect(gainFor(1, 1, 60)).toBeLessThan(0.8);
     const below = viewLight(gaze, scene(grove));
     const bare = viewLight(gaze, scene(grove, 0.25));
     expect(below).toBeLessThan(0.5);

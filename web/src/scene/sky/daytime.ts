@@ -98,7 +98,7 @@ const plus = (a: Rgb, k: number): Rgb => [a[0] + k, a[1] + k, a[2] + k];
 const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 /** Least light shown, by day and twilight under any clouds, and at night: pictures are never black. */
-const LEAST_SHOWN = { day: 1.15, night: 0.85 } as const;
+const LEAST_SHOWN = { day: 1.25, night: 0.85 } as const;
 
 /**
  * Exposure for the light of sun and sky. The adaptation is partial, so that dusk and storms stay darker than noon, down to
@@ -107,7 +107,7 @@ const LEAST_SHOWN = { day: 1.15, night: 0.85 } as const;
 export function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, least: number): number {
   const level = Math.max(0.22, Math.sin(Math.max(0, elevation_deg) * RAD_PER_DEG));
   const light = 0.55 * brightness(sun) * level + brightness(sky);
-  return Math.max(least, 1.12 * light * (2.1 / light) ** 0.66) / light;
+  return Math.max(least, 1.2 * light * (2.1 / light) ** 0.66) / light;
 }
 
 /** What is taken off the exposure where everything is white: in snow and in mist. */

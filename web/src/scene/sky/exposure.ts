@@ -24,7 +24,7 @@ const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
 /** Limits of the gain: below dense crowns, and high above the land. */
-export const GAINS = { least: 0.82, most: 1.75 } as const;
+export const GAINS = { least: 0.75, most: 1.75 } as const;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
 const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
