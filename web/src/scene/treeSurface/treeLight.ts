@@ -226,15 +226,17 @@ const WOOD_NORMAL = /* glsl */ `
  * the wood is perpendicular to the normal and to the change of the normal.
  */
 const SNOW_GLSL = /* glsl */ `
-vec3 upwards = (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz;
-float skyward = dot(normal, upwards);
-vec3 round = normalize(vNormal);
-vec3 turning = abs(dot(dFdx(round), dFdx(round))) > dot(dFdy(round), dFdy(round)) ? dFdx(round) : dFdy(round);
-vec3 axis = cross(round, turning);
-float bough = 1.0 - smoothstep(0.5, 0.9, abs(dot(axis, upwards)) / max(1e-6, length(axis)));
-float from = mix(0.05, -0.3, length(axis) > 1e-5 ? bough : 0.0);
-float lying = smoothstep(from, from + 0.4, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.6)) * uSnow;
-diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
+if (uSnow > 0.0) {
+  vec3 upwards = (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz;
+  vec3 smoothed = normalize(vNormal);
+  vec3 turningX = dFdx(smoothed);
+  vec3 turningY = dFdy(smoothed);
+  vec3 axis = cross(smoothed, dot(turningX, turningX) > dot(turningY, turningY) ? turningX : turningY);
+  float bough = 1.0 - smoothstep(0.5, 0.9, abs(dot(axis, upwards)) / max(1e-6, length(axis)));
+  float from = mix(0.05, -0.3, length(axis) > 1e-5 ? bough : 0.0);
+  float lying = smoothstep(from, from + 0.4, dot(normal, upwards) + 0.35 * (fract(vPiece.x * 7.0) - 0.6));
+  diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying * uSnow);
+}
 `;
 
 /**
@@ -249,14 +251,16 @@ const SHOOT_SNOW_M = 0.05;
 
 /** Snow on the upper edges of shoots: where the picture has a gap just above. Without a picture, on whole pieces. */
 const LEAF_SNOW = /* glsl */ `
-float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
-float lying = ${snowOnNeedles("skyward", "fract(vPiece.x * 7.0)")};
-#ifdef USE_MAP
-  float pixels = clamp(${SHOOT_SNOW_M} / max(1e-4, length(dFdy(vViewPosition))), 1.0, 60.0);
-  float gap = 1.0 - smoothstep(0.15, 0.6, textureGrad(map, leafUv + pixels * down / texels, right / texels, down / texels).a);
-  lying = min(0.95, 0.35 * lying + 0.85 * gap * smoothstep(-0.7, 0.2, skyward));
-#endif
-diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying * uSnow);
+if (uSnow > 0.0) {
+  float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
+  float lying = ${snowOnNeedles("skyward", "fract(vPiece.x * 7.0)")};
+  #ifdef USE_MAP
+    float pixels = clamp(${SHOOT_SNOW_M} / max(1e-4, length(dFdy(vViewPosition))), 1.0, 60.0);
+    float gap = 1.0 - smoothstep(0.15, 0.6, textureGrad(map, leafUv + pixels * down / texels, right / texels, down / texels).a);
+    lying = min(0.95, 0.35 * lying + 0.85 * gap * smoothstep(-0.7, 0.2, skyward));
+  #endif
+  diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying * uSnow);
+}
 `;
 
 const LEAF_NORMAL = /* glsl */ `
