@@ -15,7 +15,7 @@ import { ForestFigures } from "./forest/forestFigures";
 import { FrameLoop } from "./forest/frameLoop";
 import { FrameStatistics } from "./forest/frameStatistics";
 import { Planting } from "./forest/planting";
-import { World } from "./forest/world";
+import type { World } from "./forest/world";
 import { makeGrowthCard } from "./individuals/growthPlaces";
 import { Individuals } from "./individuals/individuals";
 import { InventoryPlanting } from "./inventory/inventoryPlanting";
@@ -70,11 +70,11 @@ export function loadTrees(store: Store): LoadingTrees {
 
 export function openPage(
   store: Store,
-  { client, catalogue }: LoadingTrees,
+  world: World,
+  catalogue: Catalogue,
   uploads: OwnUploads,
   files: DataFiles,
 ) {
-  const world = new World(store, client);
   const undo = new Undo(store);
   rememberSettings(store);
 

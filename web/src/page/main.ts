@@ -9,6 +9,7 @@ import { showHint } from "./controls/hint";
 import { connectSheets } from "./controls/sheets";
 import { DataFiles } from "./files/dataFiles";
 import { detectGraphics, renewCanvas } from "./forest/graphics";
+import { World } from "./forest/world";
 import { showNoGraphics } from "./noGraphics";
 import { exposeProbe } from "./probe";
 import { defaultsFor, LIMITS, type Settings, settingsFromQuery, treesBeyond } from "./settings/settings";
@@ -56,8 +57,11 @@ function openedSettings(software: boolean): { settings: Settings; defaults: Sett
   return { settings, defaults };
 }
 
-/** Looking at the graphics and making the scene occupy the page, so the first tree is asked for before, unless the list takes longer. */
-const LIST_PATIENCE_MS = 400;
+/**
+ * Looking at the graphics and making the scene occupy the page, so the first tree is asked for before the scene is made, and is being
+ * opened before the rest is, unless the server takes longer.
+ */
+const SERVER_PATIENCE_MS = 400;
 
 /** The first tree loads while the scene is made; which settings the graphics suggest is known after the start. */
 async function start(): Promise<void> {
@@ -73,16 +77,19 @@ async function start(): Promise<void> {
   }
   if (!graphics.software) trees.catalogue.order.loadAll();
   document.body.classList.toggle("graphics-card", !graphics.software);
-  await Promise.all([painted(), Promise.race([trees.catalogue.order.firstLoads, wait(LIST_PATIENCE_MS)])]);
+  const { order } = trees.catalogue;
+  await Promise.all([painted(), Promise.race([order.firstLoads, wait(SERVER_PATIENCE_MS)])]);
   const suited = openedSettings(graphics.software);
   store.suit(suited.settings, suited.defaults);
-  if (isAntialiased(settings.quality)) renewCanvas(view);
+  if (isAntialiased(store.settings.quality)) renewCanvas(view);
   document.body.classList.toggle("bare", !settings.panel);
   document.body.classList.toggle("embedded", settings.embed);
   checkWind();
   checkTrees();
   connectSheets(settings.panel);
-  const page = openPage(store, trees, uploads, files);
+  const world = new World(store, trees.client);
+  await Promise.race([order.firstArrives, wait(SERVER_PATIENCE_MS)]);
+  const page = openPage(store, world, trees.catalogue, uploads, files);
   exposeProbe(page);
   if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {

@@ -36,6 +36,10 @@ import { Sky } from "./sky/sky";
 import { Pictures } from "./textures/pictures";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
+/** Pixels drawn per pixel of the screen, along each side: the lowest quality draws half of them on screens of usual density. */
+const SHARPNESS: Record<Quality, number> = { low: 0.75, medium: 1, high: 1 };
+/** In every how many pictures shadows are drawn anew while the camera stands still. */
+const SHADOW_PERIOD: Record<Quality, number> = { low: 3, medium: 1, high: 1 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [22, 58], high: [48, 112] };
 /** Distance (m) below which leaf cards give way to sprays; the lowest quality has none. */
 const SPRAYS_M: Record<Quality, number> = { low: 0, medium: 15, high: 24 };
@@ -61,8 +65,10 @@ export class Stage {
   private readonly snow: Snowfall;
   readonly cover: GroundCover;
   readonly backdrop: Backdrop;
-  /** What the first picture of the trees does without. */
+  /** What the first pictures of the trees do without. */
   private readonly further = new Group();
+  /** Whether the driver has been asked to compile this, and has. */
+  private furtherState: "asked" | "compiled" | null = null;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -70,6 +76,8 @@ export class Stage {
   private quality: Quality;
   /** At high quality only. */
   private occlusion: AmbientOcclusion | null = null;
+  /** In how many pictures the shadows have been seen. */
+  private shadowAge = Number.POSITIVE_INFINITY;
   private sheltering: Crowns = new Float32Array(0);
   private season: Season = "autumn";
 
@@ -129,7 +137,8 @@ export class Stage {
   private resize(): void {
     const width = Math.max(1, this.canvas.clientWidth);
     const height = Math.max(1, this.canvas.clientHeight);
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, PIXEL_RATIO[this.quality]));
+    const { quality } = this;
+    this.renderer.setPixelRatio(Math.min(SHARPNESS[quality] * devicePixelRatio, PIXEL_RATIO[quality]));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     // On a portrait screen, keep the horizontal field of view of a square one.
@@ -149,6 +158,7 @@ export class Stage {
     this.undergrowth.setSeason(season);
     this.season = season;
     const light = this.lighting.choose(daytime, season);
+    this.shadowAge = Number.POSITIVE_INFINITY;
     this.backdrop.setSeason(season);
     return light;
   }
@@ -186,6 +196,7 @@ export class Stage {
 
   /** Plants the background forest around the simulated trees. */
   surround(planted: Planted): void {
+    this.shadowAge = Number.POSITIVE_INFINITY;
     this.backdrop.surround(planted);
   }
 
@@ -212,6 +223,7 @@ export class Stage {
     const changed = this.backdrop.takeChange();
     if (this.clip.equals(this.seen) && !changed) return false;
     this.seen.copy(this.clip);
+    this.shadowAge = Number.POSITIVE_INFINITY;
     return true;
   }
 
@@ -233,17 +245,44 @@ export class Stage {
     };
   }
 
+  /** Whether shadows are drawn in this picture. */
+  private castsAnew(): boolean {
+    this.shadowAge = this.shadowAge >= SHADOW_PERIOD[this.quality] ? 1 : this.shadowAge + 1;
+    return this.shadowAge === 1;
+  }
+
+  /** Lets the driver compile what the first picture shows besides trees. */
+  compileFirst(): void {
+    const first = new Group();
+    const { camera, renderer, scene, sky, terrain } = this;
+    // A group of their own for the call: they stay in the scene.
+    first.children.push(terrain.mesh, sky.mesh);
+    renderer.compile(first, camera, scene);
+  }
+
+  /** Whether a whole picture can be drawn without waiting for the driver, which compiles what that needs from the first call on. */
+  get isWhole(): boolean {
+    if (this.furtherState === null) {
+      this.furtherState = "asked";
+      void this.renderer.compileAsync(this.further, this.camera, this.scene).then(() => {
+        this.furtherState = "compiled";
+      });
+    }
+    return this.furtherState === "compiled";
+  }
+
   /**
    * `dt_s`: time since the last picture, in which the exposure adapts. `whole`: with all that grows and flies around the
    * trees, and with shadows; the drivers take long to make these ready.
    */
   render(dt_s: number, whole: boolean): void {
     this.further.visible = whole;
-    this.renderer.shadowMap.autoUpdate = whole;
+    this.renderer.shadowMap.autoUpdate = whole && this.castsAnew();
     if (whole) this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     if (this.occlusion) this.occlusion.render();
     else this.renderer.render(this.scene, this.camera);
+    this.pictures.paint();
   }
 
   dispose(): void {

@@ -96,10 +96,15 @@ export class FrameLoop {
     return !this.world.hasTrees || (steps && this.world.client.time_s <= from_s);
   }
 
+  /** Until trees are seen, nothing that can wait competes with them for a while. */
+  private get mayBeWhole(): boolean {
+    return this.store.state.treesSeen || performance.now() > PATIENCE_MS;
+  }
+
   /** Until trees are seen, what can wait is not drawn for a while, unless the picture is to be `whole`. */
-  private draw(passed_s: number, whole = performance.now() > PATIENCE_MS): void {
+  private draw(passed_s: number, whole = this.mayBeWhole && this.world.stage.isWhole): void {
     const { state } = this.store;
-    if (this.world.draw(passed_s, this.waitsForTrees, whole || state.treesSeen)) {
+    if (this.world.draw(passed_s, this.waitsForTrees, whole)) {
       if (this.world.hasTrees) state.treesSeen = true;
       for (const part of this.parts) part.drawn?.();
     }

@@ -64,7 +64,7 @@ export class World {
     if (opened.clouds) stage.sky.drift.set(...opened.clouds);
     this.follow();
     // The driver compiles while the trees load.
-    stage.renderer.compile(stage.scene, stage.camera);
+    stage.compileFirst();
   }
 
   /** Draws what the settings say from now on. */

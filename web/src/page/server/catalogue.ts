@@ -324,7 +324,8 @@ export class Catalogue {
     if (!mesh || mesh === entry.mesh) return;
     entry.mesh = mesh;
     const { builtin, grown = false, evergreen } = entry.tree;
-    const model = await this.readInTurn(await fetchMesh(mesh), { varied: builtin || grown, evergreen });
+    const opened = await fetchMesh(mesh, () => this.order.meshArrived());
+    const model = await this.readInTurn(opened, { varied: builtin || grown, evergreen });
     if (entry.mesh !== mesh) return;
     entry.asset.model = model;
     this.join(entry);

@@ -12,9 +12,12 @@ const WAIT_FOR_FIRST_MS = 4000;
 export class LoadingOrder {
   /** Settled when the first tree may load. */
   readonly firstLoads: Promise<void>;
+  /** Settled when the first mesh is there, and is being opened. */
+  readonly firstArrives: Promise<void>;
   private readonly othersLoad: Promise<void>;
   private settleFirst: () => void = () => undefined;
   private settleOthers: () => void = () => undefined;
+  private settleArrival: () => void = () => undefined;
   private first: TreeAsset | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private waits = true;
@@ -23,6 +26,9 @@ export class LoadingOrder {
   constructor(private readonly choose: () => TreeAsset | null) {
     this.firstLoads = new Promise((done) => {
       this.settleFirst = done;
+    });
+    this.firstArrives = new Promise((done) => {
+      this.settleArrival = done;
     });
     this.othersLoad = new Promise((done) => {
       this.settleOthers = done;
@@ -45,6 +51,11 @@ export class LoadingOrder {
     this.first = this.choose();
     this.settleFirst();
     this.timer = setTimeout(() => this.loadAll(), WAIT_FOR_FIRST_MS);
+  }
+
+  /** To be called with every mesh that arrives. */
+  meshArrived(): void {
+    this.settleArrival();
   }
 
   /** Lets all trees load. */

@@ -9,10 +9,17 @@ export function gladeCentre_m(z: number): number {
   return -6 + 9 * Math.sin(z / 34) + 5 * Math.sin(z / 71 + 1.3) + smoothstep(-40, 60, z) * 6;
 }
 
+/** Half the width of the glade where it is widest. */
+const MOST_HALF_WIDTH_M = 7 + 3 + 9;
+/** Shares of half the width within which the glade is whole, and beyond which is forest. */
+const GLADE_EDGES = [0.3, 1.7] as const;
+
 /** 1 in the middle of the glade, 0 in the forest. */
 export function glade(x: number, z: number): number {
+  const aside_m = Math.abs(x - gladeCentre_m(z));
+  if (aside_m >= GLADE_EDGES[1] * MOST_HALF_WIDTH_M) return 0;
   const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, RANDOM_SEED + 5) + 9 * smoothstep(0, 45, z);
-  return 1 - smoothstep(halfWidth_m * 0.3, halfWidth_m * 1.7, Math.abs(x - gladeCentre_m(z)));
+  return 1 - smoothstep(halfWidth_m * GLADE_EDGES[0], halfWidth_m * GLADE_EDGES[1], aside_m);
 }
 
 /** Rounded ridges between 0 and 1. */

@@ -17,13 +17,16 @@ function discGeometry(): BufferGeometry {
   const columns = SECTOR_COUNT + 1;
   const position = new Float32Array((RING_COUNT + 1) * columns * 3);
   const meadow = new Float32Array((RING_COUNT + 1) * columns);
-  for (let ring = 0; ring <= RING_COUNT; ring++) {
-    for (let sector = 0; sector <= SECTOR_COUNT; sector++) {
-      const angle = (2 * Math.PI * sector) / SECTOR_COUNT;
-      const x = ringRadius_m(ring) * Math.cos(angle);
-      const z = ringRadius_m(ring) * Math.sin(angle);
+  for (let sector = 0; sector <= SECTOR_COUNT; sector++) {
+    const angle = (2 * Math.PI * sector) / SECTOR_COUNT;
+    const [across, along] = [Math.cos(angle), Math.sin(angle)];
+    for (let ring = 0; ring <= RING_COUNT; ring++) {
+      const x = ringRadius_m(ring) * across;
+      const z = ringRadius_m(ring) * along;
       const v = ring * columns + sector;
-      position.set([x, groundHeight_m(x, z), z], v * 3);
+      position[3 * v] = x;
+      position[3 * v + 1] = groundHeight_m(x, z);
+      position[3 * v + 2] = z;
       meadow[v] = glade(x, z);
     }
   }
@@ -44,7 +47,10 @@ export function ringIndex(rings: number, sectors: number): Uint32Array {
     for (let sector = 0; sector < sectors; sector++) {
       const a = ring * columns + sector;
       const b = a + columns;
-      index.set([a, a + 1, b, b, a + 1, b + 1], at);
+      index[at] = a;
+      index[at + 1] = index[at + 4] = a + 1;
+      index[at + 2] = index[at + 3] = b;
+      index[at + 5] = b + 1;
       at += 6;
     }
   }

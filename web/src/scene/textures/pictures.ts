@@ -54,14 +54,17 @@ export class Pictures {
   readonly plants = smoothed(plain(0, 0, 0, 0), false);
   /** Bias of the level of detail of the ground's pictures. */
   readonly groundBias = { value: 0 };
-  private readonly painter: Worker | null = null;
+  private painter: Worker | null = null;
+  private painted = false;
 
-  constructor() {
+  /** Paints the pictures, once. Painting takes as long as the rest of the start, so it begins when trees are seen. */
+  paint(): void {
+    if (this.painted) return;
+    this.painted = true;
     if (typeof Worker === "undefined") {
       this.receive(paintLand());
       return;
     }
-    // Painting takes as long as the rest of the start, which goes on meanwhile.
     this.painter = new Worker(new URL("./painting.worker.ts", import.meta.url), { type: "module" });
     this.painter.onmessage = ({ data }: MessageEvent<LandPictures>) => {
       this.receive(data);

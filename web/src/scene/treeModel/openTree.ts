@@ -1,6 +1,6 @@
 /** Opens the mesh of a tree with the picture of its sprays, if it names one. */
 import { openMesh } from "galewood/trees";
-import { ImageBitmapLoader, Mesh, type Object3D, SRGBColorSpace, Texture } from "three";
+import { ImageBitmapLoader, type Object3D, SRGBColorSpace, Texture } from "three";
 
 export interface OpenedTree {
   readonly scene: Object3D;
@@ -22,28 +22,40 @@ async function load(url: string): Promise<Texture> {
   return texture;
 }
 
-/** The address of the picture, which the material of the leaves has in its extras. */
-function spraysIn(scene: Object3D): string | null {
-  let found: string | null = null;
-  scene.traverse((object) => {
-    if (!(object instanceof Mesh)) return;
-    const { sprays } = (object.material as { userData: { sprays?: unknown } }).userData;
-    if (typeof sprays === "string") found = sprays;
+/** Where the JSON of a GLB begins, after the headers of the file and of its first chunk, and where its length is (glTF 2.0, 4.4). */
+const JSON_FROM_BYTE = 20;
+const JSON_LENGTH_BYTE = 12;
+
+/**
+ * The address of the picture, which the material of the leaves has in its extras: read before the file is opened, so that all its
+ * pictures load at once. null: it has none, or is no GLB.
+ */
+function spraysIn(bytes: ArrayBuffer): string | null {
+  try {
+    const length = new DataView(bytes).getUint32(JSON_LENGTH_BYTE, true);
+    const { materials = [] }: { materials?: { extras?: { sprays?: unknown } }[] } = JSON.parse(
+      new TextDecoder().decode(new Uint8Array(bytes, JSON_FROM_BYTE, length)),
+    );
+    const found = materials.map(({ extras }) => extras?.sprays).find((sprays) => typeof sprays === "string");
+    return found ?? null;
+  } catch {
+    return null; // openMesh says what is wrong
+  }
+}
+
+/** The picture at this address; null if it cannot be loaded. */
+async function picture(url: string): Promise<Texture | null> {
+  const loading = pictures.get(url) ?? load(url);
+  pictures.set(url, loading);
+  return loading.catch(() => {
+    pictures.delete(url);
+    return null;
   });
-  return found;
 }
 
 /** `base`: as for `openMesh`. A picture that cannot be loaded leaves the tree as it is in the file. */
 export async function openTree(bytes: ArrayBuffer, base: string): Promise<OpenedTree> {
-  const scene = await openMesh(bytes, base);
-  const address = spraysIn(scene);
-  if (address === null) return { scene, sprays: null };
-  const url = new URL(address, base).href;
-  const picture = pictures.get(url) ?? load(url);
-  pictures.set(url, picture);
-  const sprays = await picture.catch(() => {
-    pictures.delete(url);
-    return null;
-  });
-  return { scene, sprays };
+  const address = spraysIn(bytes);
+  const sprays = address === null ? null : picture(new URL(address, base).href);
+  return { scene: await openMesh(bytes, base), sprays: await sprays };
 }
