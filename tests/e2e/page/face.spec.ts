@@ -169,6 +169,22 @@ test("without WebGL a card explains why there is no forest, and shows a film of 
   await expect(page.locator("#hud")).toBeHidden();
 });
 
+test("the forest is drawn in the graphics context by which the page knows that the processor draws", async ({ page }) => {
+  await page.addInitScript(() => {
+    const counted = window as unknown as { contexts: Set<unknown> };
+    counted.contexts = new Set();
+    const own = HTMLCanvasElement.prototype.getContext as (...args: unknown[]) => unknown;
+    HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, ...args: unknown[]) {
+      const context = own.apply(this, args);
+      if (args[0] === "webgl2") counted.contexts.add(context);
+      return context as never;
+    };
+  });
+  await open(page, SMALL.replace("&quality=low", ""));
+  await forest(page);
+  expect(await page.evaluate(() => (window as unknown as { contexts: Set<unknown> }).contexts.size)).toBe(1);
+});
+
 test("settings persist between visits", async ({ page }) => {
   await open(page, "quality=low&trees=5&speed=0&background=0");
   await forest(page);

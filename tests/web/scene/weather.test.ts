@@ -10,7 +10,7 @@ import {
   easeGain,
   type Gaze,
   gainFor,
-  GAINS,
+  MOST_GAIN,
   NEAR_M,
   viewLight,
 } from "../../../web/src/scene/sky/exposure";
@@ -149,7 +149,7 @@ describe("exposure", () => {
     expect(crownDistance({ x: 0, y: 0, z: -10 }, { x: 0, y: 1, z: 0 }, crowns, 0)).toBeCloseTo(1, 9);
   });
 
-  it("is 1 in the open, less high above it, more below crowns, less without leaves, and stays within its limits", () => {
+  it("is 1 in the open, less high above it, more below crowns, less without leaves, and is limited", () => {
     expect(viewLight(gaze, scene([]))).toBe(1);
     expect(gainFor(1)).toBe(1);
     expect(gainFor(1, 1, 60)).toBeLessThan(0.8);
@@ -160,8 +160,8 @@ describe("exposure", () => {
     expect(gainFor(below)).toBeGreaterThan(gainFor(bare));
     for (const light of [0, 1e-9, 0.1, 0.5, 1, 3]) {
       for (const above_m of [0, 20, 100]) {
-        expect(gainFor(light, 1, above_m)).toBeGreaterThanOrEqual(GAINS.least);
-        expect(gainFor(light, 1, above_m)).toBeLessThanOrEqual(GAINS.most);
+        expect(gainFor(light, 1, above_m)).toBeGreaterThan(0);
+        expect(gainFor(light, 1, above_m)).toBeLessThanOrEqual(MOST_GAIN);
       }
     }
   });

@@ -154,7 +154,7 @@ export function openPage(
     panel,
     card,
   ];
-  const loop = new FrameLoop(store, world, meter, parts);
+  const loop = new FrameLoop(store, world, catalogue, meter, parts);
   catalogue.onChange(() => loop.report());
   loop.start();
   const figures = new ForestFigures(world, catalogue, paper, meter);

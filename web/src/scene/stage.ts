@@ -5,8 +5,8 @@ import type { WindField } from "galewood/wind";
 import {
   ACESFilmicToneMapping,
   Frustum,
-  Group,
   Matrix4,
+  type Object3D,
   PCFShadowMap,
   PerspectiveCamera,
   Scene,
@@ -65,10 +65,8 @@ export class Stage {
   private readonly snow: Snowfall;
   readonly cover: GroundCover;
   readonly backdrop: Backdrop;
-  /** What the first pictures of the trees do without. */
-  private readonly further = new Group();
-  /** Whether the driver has been asked to compile this, and has. */
-  private furtherState: "asked" | "compiled" | null = null;
+  /** What the first pictures of the trees do without, and then show one after the other. */
+  private readonly later: Object3D[];
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -104,16 +102,16 @@ export class Stage {
     this.undergrowth = new Undergrowth(quality, this.pictures, this.wind);
     this.leaves = new FlyingLeaves(quality, groundHeight_m);
     this.snow = new Snowfall(quality);
-    this.further.add(
+    this.later = [
+      this.cover.mesh,
       this.undergrowth.group,
+      this.feet.mesh,
       this.leaves.mesh,
       this.snow.mesh,
-      this.feet.mesh,
-      this.cover.mesh,
       this.backdrop.wood.group,
       this.backdrop.canopy.mesh,
-    );
-    this.scene.add(this.terrain.mesh, this.sky.mesh, this.daylight.group, this.further);
+    ];
+    this.scene.add(this.terrain.mesh, this.sky.mesh, this.daylight.group);
     this.camera.position.copy(EDGE_VIEW.eye);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
@@ -251,32 +249,13 @@ export class Stage {
     return this.shadowAge === 1;
   }
 
-  /** Lets the driver compile what the first picture shows besides trees. */
-  compileFirst(): void {
-    const first = new Group();
-    const { camera, renderer, scene, sky, terrain } = this;
-    // A group of their own for the call: they stay in the scene.
-    first.children.push(terrain.mesh, sky.mesh);
-    renderer.compile(first, camera, scene);
-  }
-
-  /** Whether a whole picture can be drawn without waiting for the driver, which compiles what that needs from the first call on. */
-  get isWhole(): boolean {
-    if (this.furtherState === null) {
-      this.furtherState = "asked";
-      void this.renderer.compileAsync(this.further, this.camera, this.scene).then(() => {
-        this.furtherState = "compiled";
-      });
-    }
-    return this.furtherState === "compiled";
-  }
-
   /**
-   * `dt_s`: time since the last picture, in which the exposure adapts. `whole`: with all that grows and flies around the
-   * trees, and with shadows; the drivers take long to make these ready.
+   * `dt_s`: time since the last picture, in which the exposure adapts. `more`: how many of the things that grow and fly around the trees
+   * this picture shows that the last one did not; shadows come after the last of them. The driver takes long to make each ready.
    */
-  render(dt_s: number, whole: boolean): void {
-    this.further.visible = whole;
+  render(dt_s: number, more: number): void {
+    const whole = more > this.later.length;
+    for (const object of this.later.splice(0, more)) this.scene.add(object);
     this.renderer.shadowMap.autoUpdate = whole && this.castsAnew();
     if (whole) this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);

@@ -1,5 +1,6 @@
 /** The frame loop: advances all that moves, draws the picture, and reports a few times per second. */
 
+import type { Catalogue } from "../server/catalogue";
 import type { Store } from "../store/store";
 import { type FrameStatistics, isFrameDue, MAX_FRAME_S } from "./frameStatistics";
 import type { World } from "./world";
@@ -7,8 +8,10 @@ import type { World } from "./world";
 const REPORT_EVERY_MS = 250;
 /** The land is drawn without trees only if these take longer: its first picture would delay them. */
 const LAND_AFTER_MS = 3000;
-/** The scene stays static, without shadows and small plants, for this long while the first trees are loading. */
+/** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
+/** Plants and shadows wait for this long for trees that are loading. */
+const SURROUNDINGS_AFTER_MS = 8000;
 
 /** One picture of the forest. */
 export interface Frame {
@@ -40,6 +43,7 @@ export class FrameLoop {
   constructor(
     private readonly store: Store,
     private readonly world: World,
+    private readonly catalogue: Pick<Catalogue, "isLoaded">,
     private readonly meter: FrameStatistics,
     private readonly parts: readonly FramePart[],
   ) {}
@@ -83,7 +87,7 @@ export class FrameLoop {
   async step(dt_s: number, drawn = true): Promise<void> {
     this.move({ passed_s: dt_s, played_s: dt_s, playing: true });
     await this.world.settle();
-    if (drawn) this.draw(dt_s, true);
+    if (drawn) this.draw(dt_s, Number.POSITIVE_INFINITY);
     else this.frame++;
     this.report();
   }
@@ -96,15 +100,16 @@ export class FrameLoop {
     return !this.world.hasTrees || (steps && this.world.client.time_s <= from_s);
   }
 
-  /** Until trees are seen, nothing that can wait competes with them for a while. */
-  private get mayBeWhole(): boolean {
-    return this.store.state.treesSeen || performance.now() > PATIENCE_MS;
+  /** What is around the trees waits until they are there; then it comes piece by piece, and the trees move meanwhile. */
+  private get more(): number {
+    const there = this.store.state.treesSeen && this.catalogue.isLoaded;
+    return there || performance.now() > SURROUNDINGS_AFTER_MS ? 1 : 0;
   }
 
-  /** Until trees are seen, what can wait is not drawn for a while, unless the picture is to be `whole`. */
-  private draw(passed_s: number, whole = this.mayBeWhole && this.world.stage.isWhole): void {
+  /** `more`: what is shown in addition, see Stage.render. */
+  private draw(passed_s: number, more = this.more): void {
     const { state } = this.store;
-    if (this.world.draw(passed_s, this.waitsForTrees, whole)) {
+    if (this.world.draw(passed_s, this.waitsForTrees, more)) {
       if (this.world.hasTrees) state.treesSeen = true;
       for (const part of this.parts) part.drawn?.();
     }

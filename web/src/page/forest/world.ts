@@ -64,7 +64,7 @@ export class World {
     if (opened.clouds) stage.sky.drift.set(...opened.clouds);
     this.follow();
     // The driver compiles while the trees load.
-    stage.compileFirst();
+    stage.renderer.compile(stage.scene, stage.camera);
   }
 
   /** Draws what the settings say from now on. */
@@ -165,9 +165,9 @@ export class World {
 
   /**
    * Draws the picture, `dt_s` after the last one, unless a waiting forest has nothing new; returns whether it did.
-   * `whole`: with shadows and small plants, not sky, ground and trees only.
+   * `more`: see Stage.render.
    */
-  draw(dt_s: number, waits: boolean, whole: boolean): boolean {
+  draw(dt_s: number, waits: boolean, more: number): boolean {
     const { stage, forest } = this;
     const moved = stage.updateCamera();
     if (waits && (this.hasTrees || !(moved || this.viewChanged))) return false;
@@ -175,7 +175,7 @@ export class World {
     this.select(moved);
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
-    stage.render(dt_s, whole);
+    stage.render(dt_s, more);
     return true;
   }
 

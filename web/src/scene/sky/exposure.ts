@@ -23,8 +23,8 @@ export const NEAR_M = 45;
 const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
-/** Limits of the gain: below dense crowns, and high above the land. */
-export const GAINS = { least: 0.75, most: 1.75 } as const;
+/** Largest gain, below dense crowns. */
+export const MOST_GAIN = 1.75;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
 const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
@@ -135,14 +135,14 @@ export function viewLight(gaze: Gaze, scene: Surroundings): number {
 }
 
 /**
- * Gain of the exposure for a view of this light, within GAINS. Nearer to 1 for a low sun, whose long shadows the
+ * Gain of the exposure for a view of this light, at most MOST_GAIN. Nearer to 1 for a low sun, whose long shadows the
  * exposure of the hour already allows for. `sunSine`: sine of the sun's elevation. `above_m`: height of the eye above the ground.
  */
 export function gainFor(light: number, sunSine = 1, above_m = 0): number {
   const gain = (Math.max(1e-6, light) / USUAL_LIGHT) ** -ADAPTATION_SHARE;
   const adapted = gain > 1 ? gain - 1 : (gain - 1) * smoothstep(OVERLOOK_M[0], OVERLOOK_M[1], above_m);
   const wanted = 1 + adapted * (0.3 + 0.7 * smoothstep(0.08, 0.45, sunSine));
-  return Math.min(GAINS.most, Math.max(GAINS.least, wanted));
+  return Math.min(MOST_GAIN, wanted);
 }
 
 /** One step of the gain towards its target; reaches it exactly. */
