@@ -169,20 +169,37 @@ test("without WebGL a card explains why there is no forest, and shows a film of 
   await expect(page.locator("#hud")).toBeHidden();
 });
 
-test("the forest is drawn in the graphics context by which the page knows that the processor draws", async ({ page }) => {
+test("the first trees take one graphics context and one shader of moving leaves, which is compiled before their mesh is there", async ({ page }) => {
   await page.addInitScript(() => {
-    const counted = window as unknown as { contexts: Set<unknown> };
-    counted.contexts = new Set();
-    const own = HTMLCanvasElement.prototype.getContext as (...args: unknown[]) => unknown;
+    const made = { contexts: new Set<unknown>(), leaves: 0 };
+    Object.assign(window, { made });
+    const getContext = HTMLCanvasElement.prototype.getContext as (...args: unknown[]) => unknown;
     HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, ...args: unknown[]) {
-      const context = own.apply(this, args);
-      if (args[0] === "webgl2") counted.contexts.add(context);
+      const context = getContext.apply(this, args);
+      if (args[0] === "webgl2") made.contexts.add(context);
       return context as never;
     };
+    const { shaderSource } = WebGL2RenderingContext.prototype;
+    WebGL2RenderingContext.prototype.shaderSource = function (shader, source) {
+      if (source.includes("leafCover(") && source.includes("flashHz")) made.leaves++;
+      shaderSource.call(this, shader, source);
+    };
+  });
+  const made = () =>
+    page.evaluate(() => {
+      const { contexts, leaves } = (window as unknown as { made: { contexts: Set<unknown>; leaves: number } }).made;
+      return { contexts: contexts.size, leaves };
+    });
+  const meshes: unknown[] = [];
+  await page.route("**/api/light-meshes/*", async (route) => {
+    if (meshes.length === 0) await expect.poll(made).toEqual({ contexts: 1, leaves: 1 });
+    meshes.push(route.request().url());
+    await route.continue();
   });
   await open(page, SMALL.replace("&quality=low", ""));
   await forest(page);
-  expect(await page.evaluate(() => (window as unknown as { contexts: Set<unknown> }).contexts.size)).toBe(1);
+  expect(meshes.length).toBeGreaterThan(0);
+  expect(await made()).toEqual({ contexts: 1, leaves: 1 });
 });
 
 test("settings persist between visits", async ({ page }) => {

@@ -8,12 +8,9 @@ export interface Graphics {
 
 const SOFTWARE_PATTERN = /swiftshader|llvmpipe|softpipe|software|microsoft basic render/i;
 
-/**
- * Looks at the graphics with the context in which the forest is then drawn, made without antialiasing: a context takes
- * a tenth of a second where the processor draws.
- */
+/** Looks at the graphics with the context in which the forest is then drawn, which public/context.js has made. */
 export function detectGraphics(view: HTMLCanvasElement): Graphics {
-  const gl = view.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
+  const gl = view.getContext("webgl2");
   if (!gl) return { webgl2: false, software: false };
   const info = gl.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));

@@ -11,6 +11,7 @@ import { exaggeration } from "../../scene/exaggeration";
 import { Forest, type PickedTree, type PlacedSpecies } from "../../scene/forest";
 import { groundHeight_m } from "../../scene/ground/landscape";
 import { Stage } from "../../scene/stage";
+import { StandIns } from "../../scene/treeSurface/standIns";
 import { showExaggeration } from "../controls/exaggerated";
 import { showPulls } from "../pulling/showPulls";
 import { watch } from "../store/signals";
@@ -38,6 +39,7 @@ export class World {
   /** Number of placements whose trees have appeared. */
   readonly placements = signal(0);
   private readonly graphics: ContextLoss;
+  private readonly standIns: StandIns;
   /** Uniform of the leaf flutter: time, s, and whether leaves flutter. */
   private readonly flutter = { value: { x: 0, y: 0 } };
   /** Whether the trees to draw must be selected again, all at once. */
@@ -63,8 +65,10 @@ export class World {
     }
     if (opened.clouds) stage.sky.drift.set(...opened.clouds);
     this.follow();
+    this.standIns = new StandIns(this.forest.options);
     // The driver compiles while the trees load.
     stage.renderer.compile(stage.scene, stage.camera);
+    stage.renderer.compile(this.standIns.group, stage.camera, stage.scene);
   }
 
   /** Draws what the settings say from now on. */
@@ -126,6 +130,7 @@ export class World {
   /** Shows a placement; `planted` describes it to the background forest. */
   show(placed: readonly PlacedSpecies[], planted: Planted): void {
     this.forest.show(placed);
+    this.standIns.dispose();
     this.stage.surround(planted);
     this.stage.shelter(this.forest.crowns);
     this.viewChanged = true;

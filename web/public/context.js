@@ -1,0 +1,3 @@
+// Makes the graphics context while the modules of the page are loading, as that takes a tenth of a second or more where the processor
+// draws. Without antialiasing: where that is wanted, the canvas is renewed (src/page/forest/graphics.ts).
+document.getElementById("view").getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
