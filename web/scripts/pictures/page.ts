@@ -81,7 +81,7 @@ export async function resize(page: Page, size: { width: number; height: number }
   await page.setViewportSize(size);
   await page.waitForFunction(({ width }) => {
     const canvas = document.querySelector<HTMLCanvasElement>("#view")?.width ?? 0;
-    return innerWidth === width && canvas >= width && canvas <= 2 * width;
+    return innerWidth === width && canvas >= width / 2 && canvas <= 2 * width;
   }, size);
 }
 
