@@ -67,13 +67,7 @@ export async function dress(page: Page, { season, daytime, eye, at, wind }: Shot
     { season, daytime, wind },
   );
   await bakeImpostors(page);
-  await page.evaluate(
-    ({ season, daytime, eye, at }) => {
-      window.galewood?.look(eye, at);
-      window.galewood?.dress(season, daytime); // the exposure adapts to this view at once
-    },
-    { season, daytime, eye, at },
-  );
+  await page.evaluate(({ eye, at }) => window.galewood?.look(eye, at), { eye, at });
 }
 
 /** Resizes the viewport and waits for the layout. */

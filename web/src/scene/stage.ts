@@ -10,6 +10,7 @@ import {
   PCFShadowMap,
   PerspectiveCamera,
   Scene,
+  type Vector3Like,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -190,6 +191,13 @@ export class Stage {
     this.cover.update(this.camera.position, time_s);
     this.undergrowth.update(this.camera.position, time_s);
     this.feet.update(this.camera.position);
+  }
+
+  /** Moves the camera to another place, whose light the exposure takes at once. */
+  cutTo(eye: Vector3Like, target: Vector3Like): void {
+    this.camera.position.copy(eye);
+    this.controls.target.copy(target);
+    this.lighting.adaptAtOnce();
   }
 
   /** Plants the background forest around the simulated trees. */

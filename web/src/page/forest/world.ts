@@ -242,9 +242,8 @@ export class World {
 
   /** Moves the camera. */
   look(eye: AboveGround, at: AboveGround): void {
-    const { camera, controls } = this.stage;
-    camera.position.set(eye.x, groundHeight_m(eye.x, eye.z) + eye.above, eye.z);
-    controls.target.set(at.x, groundHeight_m(at.x, at.z) + at.above, at.z);
+    const placed = ({ x, above, z }: AboveGround) => ({ x, y: groundHeight_m(x, z) + above, z });
+    this.stage.cutTo(placed(eye), placed(at));
   }
 
   /** Stops the worker and frees the memory of the graphics card. */

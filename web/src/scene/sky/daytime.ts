@@ -98,7 +98,7 @@ const plus = (a: Rgb, k: number): Rgb => [a[0] + k, a[1] + k, a[2] + k];
 const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 /** Least light shown, by day and twilight under any clouds, and at night: pictures are never black. */
-const LEAST_SHOWN = { day: 1.36, night: 0.85 } as const;
+const LEAST_SHOWN = { day: 1.25, night: 0.85 } as const;
 
 /**
  * Exposure for the light of sun and sky. The adaptation is partial, so that dusk and storms stay darker than noon, down to

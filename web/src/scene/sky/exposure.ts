@@ -24,15 +24,15 @@ const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
 /** Largest gain, below dense crowns. */
-export const MOST_GAIN = 2.1;
+export const MOST_GAIN = 1.75;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
-const ADAPTATION_SHARE = 0.7;
+const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
 const USUAL_LIGHT = 0.6;
 /** Height (m) from which on an eye looks over the crowns, at mostly sky and sunlit land. */
 const OVERLOOK_M = [14, 30] as const;
 /** Part of the adaptation with a low sun, whose sine is below the first number; all of it from the second one on. */
-const LOW_SUN_ADAPTATION = 0.5;
+const LOW_SUN_ADAPTATION = 0.3;
 const LOW_SUN_SINE = [0.08, 0.45] as const;
 const EASE_S = 0.5;
 const SETTLED_CHANGE = 0.004;
@@ -144,7 +144,8 @@ export function viewLight(gaze: Gaze, scene: Surroundings): number {
 export function gainFor(light: number, sunSine = 1, above_m = 0): number {
   const gain = (Math.max(1e-6, light) / USUAL_LIGHT) ** -ADAPTATION_SHARE;
   const adapted = gain > 1 ? gain - 1 : (gain - 1) * smoothstep(OVERLOOK_M[0], OVERLOOK_M[1], above_m);
-  const wanted = 1 + adapted * (LOW_SUN_ADAPTATION + (1 - LOW_SUN_ADAPTATION) * smoothstep(...LOW_SUN_SINE, sunSine));
+  const wanted =
+    1 + adapted * (LOW_SUN_ADAPTATION + (1 - LOW_SUN_ADAPTATION) * smoothstep(...LOW_SUN_SINE, sunSine));
   return Math.min(MOST_GAIN, wanted);
 }
 

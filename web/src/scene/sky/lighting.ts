@@ -52,7 +52,12 @@ export class Lighting {
   set crowns(crowns: Crowns) {
     this.all = crowns;
     this.nearTo.x = Number.NaN;
-    this.gain = 0; // adapt at once
+    this.adaptAtOnce();
+  }
+
+  /** Lets the exposure of the next picture suit what that shows, as after a cut in a film. */
+  adaptAtOnce(): void {
+    this.gain = 0;
   }
 
   /** Chooses season and time of day; takes some milliseconds. */

@@ -1,0 +1,28 @@
+/** The exposure of the pictures before and after the camera is moved. */
+import { PerspectiveCamera, Vector3 } from "three";
+import { expect, test } from "vitest";
+import type { Daylight } from "../../../web/src/scene/sky/daylight";
+import { Lighting } from "../../../web/src/scene/sky/lighting";
+import type { Sky } from "../../../web/src/scene/sky/sky";
+
+const NOON_SUN = new Vector3(0.2, 0.9, 0.1).normalize();
+
+/** A camera that looks towards the horizon from this height, m. */
+function cameraAt(height_m: number): PerspectiveCamera {
+  const camera = new PerspectiveCamera(46, 16 / 9);
+  camera.position.set(0, height_m, 0);
+  camera.lookAt(100, height_m, 0);
+  camera.updateMatrixWorld();
+  return camera;
+}
+
+test("after a cut the exposure suits the new place at once, otherwise it eases", () => {
+  const lighting = new Lighting({} as Sky, { towardsSun: NOON_SUN } as Daylight);
+  const [high, low] = [cameraAt(700), cameraAt(2)];
+  const there = lighting.expose(0, high);
+  for (let k = 0; k < 20; k++) expect(lighting.expose(0, low)).toBe(there);
+  lighting.adaptAtOnce();
+  const here = lighting.expose(0, low);
+  expect(here).toBeGreaterThan(1.1 * there);
+  expect(lighting.expose(10, low)).toBe(here);
+});
