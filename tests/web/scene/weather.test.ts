@@ -149,7 +149,7 @@ describe("exposure", () => {
     expect(crownDistance({ x: 0, y: 0, z: -10 }, { x: 0, y: 1, z: 0 }, crowns, 0)).toBeCloseTo(1, 9);
   });
 
-  it("is 1 in the open, less high above it, more below crowns, less without leaves, and is limited", () => {
+  it("is 1 in the open, less high above it, more below crowns, less without leaves, and stays within its limits", () => {
     expect(viewLight(gaze, scene([]))).toBe(1);
     expect(gainFor(1)).toBe(1);
     expect(gainFor(1, 1, 60)).toBeLessThan(0.8);
@@ -158,9 +158,9 @@ describe("exposure", () => {
     expect(below).toBeLessThan(0.5);
     expect(bare).toBeGreaterThan(below);
     expect(gainFor(below)).toBeGreaterThan(gainFor(bare));
-    for (const light of [0, 1e-9, 0.1, 0.5, 1, 3]) {
+    for (const light of [0, 1e-9, 0.1, 0.5, 1]) {
       for (const above_m of [0, 20, 100]) {
-        expect(gainFor(light, 1, above_m)).toBeGreaterThan(0);
+        expect(gainFor(light, 1, above_m)).toBeGreaterThanOrEqual(0.75);
         expect(gainFor(light, 1, above_m)).toBeLessThanOrEqual(MOST_GAIN);
       }
     }

@@ -37,9 +37,9 @@ import { Sky } from "./sky/sky";
 import { Pictures } from "./textures/pictures";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
-/** Pixels drawn per pixel of the screen, along each side: the lowest quality draws half of them on screens of usual density. */
+/** Pixels drawn per pixel of the screen, along each side: low quality draws about half of them on screens of ordinary density. */
 const SHARPNESS: Record<Quality, number> = { low: 0.75, medium: 1, high: 1 };
-/** In every how many pictures shadows are drawn anew while the camera stands still. */
+/** While the camera stands still, shadows are drawn again after this many pictures. */
 const SHADOW_PERIOD: Record<Quality, number> = { low: 3, medium: 1, high: 1 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [22, 58], high: [48, 112] };
 /** Distance (m) below which leaf cards give way to sprays; the lowest quality has none. */
@@ -75,7 +75,7 @@ export class Stage {
   private quality: Quality;
   /** At high quality only. */
   private occlusion: AmbientOcclusion | null = null;
-  /** In how many pictures the shadows have been seen. */
+  /** Number of pictures that show the present shadows; infinite if these are outdated. */
   private shadowAge = Number.POSITIVE_INFINITY;
   private sheltering: Crowns = new Float32Array(0);
   private season: Season = "autumn";
@@ -208,6 +208,7 @@ export class Stage {
 
   setQuality(quality: Quality): void {
     this.quality = quality;
+    this.shadowAge = Number.POSITIVE_INFINITY;
     this.pictures.setQuality(quality);
     this.cover.setQuality(quality);
     this.undergrowth.setQuality(quality);

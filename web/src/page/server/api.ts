@@ -214,7 +214,7 @@ export const complianceUrl = (sha256: string) => `api/compliances/${sha256}`;
 
 export const recordsUrl = (sha256: string) => `api/records/${sha256}`;
 
-/** The mesh of a tree, opened, in its light copy if it has one. */
+/** The mesh of a tree, opened, in its light copy if it has one. `arrived`: called once its bytes are there, before it is opened. */
 export async function fetchMesh(sha256: string, arrived?: () => void): Promise<OpenedTree> {
   const path = `api/light-meshes/${sha256}`;
   const bytes = await (await fetchApi(path)).arrayBuffer();

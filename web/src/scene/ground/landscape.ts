@@ -9,8 +9,9 @@ export function gladeCentre_m(z: number): number {
   return -6 + 9 * Math.sin(z / 34) + 5 * Math.sin(z / 71 + 1.3) + smoothstep(-40, 60, z) * 6;
 }
 
-/** Half the width of the glade where it is widest. */
-const MOST_HALF_WIDTH_M = 7 + 3 + 9;
+/** Half the width of the glade: as usual, how much it varies, and how much wider it is near the initial camera. */
+const HALF_WIDTH_M = { usual: 7, varying: 3, opening: 9 } as const;
+const MOST_HALF_WIDTH_M = HALF_WIDTH_M.usual + HALF_WIDTH_M.varying + HALF_WIDTH_M.opening;
 /** Shares of half the width within which the glade is whole, and beyond which is forest. */
 const GLADE_EDGES = [0.3, 1.7] as const;
 
@@ -18,7 +19,9 @@ const GLADE_EDGES = [0.3, 1.7] as const;
 export function glade(x: number, z: number): number {
   const aside_m = Math.abs(x - gladeCentre_m(z));
   if (aside_m >= GLADE_EDGES[1] * MOST_HALF_WIDTH_M) return 0;
-  const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, RANDOM_SEED + 5) + 9 * smoothstep(0, 45, z);
+  const { usual, varying, opening } = HALF_WIDTH_M;
+  const halfWidth_m =
+    usual + varying * valueNoise(z / 40, 3.7, RANDOM_SEED + 5) + opening * smoothstep(0, 45, z);
   return 1 - smoothstep(halfWidth_m * GLADE_EDGES[0], halfWidth_m * GLADE_EDGES[1], aside_m);
 }
 

@@ -76,7 +76,7 @@ const vec3 NIGHT_HUE = ${glslRgb(NIGHT_HUE_RGB)};
 vec3 seenByNight(vec3 colour) {
   return mix(colour, dot(colour, ROD_SENSITIVITY) * NIGHT_HUE, ${GREY_BY_NIGHT} * uNightVision);
 }
-/** Air up to a distance: what passes of the light from there, and what it adds. */
+/** Air up to a distance: the share of the light from there that passes, and the light that the air adds. */
 void airUpTo(vec3 direction, float away, out vec3 clear, out vec3 added) {
   clear = exp(-uHaze * away);
   vec3 haze = hazeColour(direction);
@@ -109,7 +109,10 @@ varying vec3 vAirClear;
 varying vec3 vAirAdded;
 `;
 
-/** The same for trees, whose triangles are so small that the air is computed at their vertices: at each pixel it takes a quarter of the time of leaves. */
+/**
+ * The same for trees. Their triangles are so small that the air is computed at their vertices; at each pixel of leaves it took a quarter of
+ * their time where the processor draws.
+ */
 export const aerialPerspective: AtmosphereShader = {
   key: "air",
   uniforms: air,

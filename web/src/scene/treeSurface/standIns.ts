@@ -10,7 +10,7 @@ import {
   MeshStandardMaterial,
 } from "three";
 
-/** A material as the files of the built-in trees have it: what decides on the code of its shader, not what it shows. */
+/** A material as the files of the built-in trees have it: what determines the code of its shader, not what it shows. */
 function asInFile(part: Part): MeshStandardMaterial {
   const leaves = part === "leaves";
   const map = new DataTexture(new Uint8Array(4), 1, 1);

@@ -3,6 +3,7 @@
 import { type Part, UNMAPPED_BELOW } from "galewood/trees";
 import type { Color, WebGLProgramParametersWithUniforms } from "three";
 import { SHOOT_TILES_PER_SIDE } from "../treeModel/sprayTiles";
+import { ONE_SHADOW_SAMPLE } from "./leafShadow";
 
 /** Surface uniforms shared by all trees. */
 export interface SurfaceUniforms {
@@ -358,25 +359,6 @@ reflectedLight.indirectDiffuse *= crownSky(vPiece.y) * stemSky(uLeafShare, dot(g
 reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * 0.7
   * crownGaps(dot(directLight.direction, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz))
   * crownGlow(uSunColour, vPiece.y, dot(geometryNormal, directLight.direction));
-`;
-
-/**
- * Leaves read the shadow map once where their edges are not smoothed either: three.js reads it five times in each cascade, which takes a
- * third of the time that leaves cost, and their own small shadows hide the difference.
- */
-const ONE_SHADOW_SAMPLE = /* glsl */ `
-#if defined(USE_SHADOWMAP) && NUM_SUN_LIGHT_SHADOWS > 0 && !defined(CUTICLE)
-float sampledOnce(sampler2DShadow map, SunLightShadow light, int sun) {
-  int cascade = sun * SUN_LIGHT_CASCADES;
-  if (vSunShadowWorldPosition.w >= sunShadowCascade[cascade].y) cascade++;
-  vec3 lifted = vSunShadowWorldPosition.xyz + light.shadowNormalBias * vSunShadowWorldNormal;
-  vec3 at = (sunShadowMatrix[cascade] * vec4(lifted, 1.0)).xyz;
-  at.z += light.shadowBias;
-  bool within = all(lessThanEqual(abs(at - 0.5), vec3(0.5))) && vSunShadowWorldPosition.w < sunShadowCascade[cascade].y;
-  return within ? mix(1.0, texture(map, at), light.shadowIntensity) : 1.0;
-}
-#define getSunShadow(map, light, sun) sampledOnce(map, light, sun)
-#endif
 `;
 
 /** Adds colour, snow and light to the fragment shader of a part. */
