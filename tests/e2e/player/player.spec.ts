@@ -133,6 +133,7 @@ test("a shared forest that the service streams: everyone sees a change of the wi
   const other = await context.newPage();
   await other.goto(address);
   await expect(page.locator("output")).toHaveText("2 are here");
+  await expect(other.locator("output")).toHaveText("2 are here");
   await other.locator("select").selectOption("storm-front");
   await expect(page.locator("select")).toHaveValue("storm-front");
   await other.close();

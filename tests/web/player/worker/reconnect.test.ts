@@ -3,10 +3,14 @@ import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Backoff } from "../../../../web/player/src/core/net/backoff";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
 import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
+import { WindField } from "../../../../web/player/src/core/wind/field";
 import { PRESETS } from "../../../../web/player/src/core/wind/presets";
 import { decodeRequest, encodeReply, type Reply } from "../../../../web/player/src/core/wire/wire";
+import type { LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
+import { SharedMotion } from "../../../../web/player/src/worker/motion/sharedMotion";
 import { StreamedForest } from "../../../../web/player/src/worker/simple/streamed";
 import { followEvents } from "../../../../web/src/page/server/eventStream";
+import { forestRequest } from "../../../../web/player/src/worker/stream/forestRequest";
 import { ForestSocket } from "../../../../web/player/src/worker/stream/forestSocket";
 import { golden, random } from "../../golden";
 
@@ -221,6 +225,62 @@ describe("trees replace those of a shared forest once, and not again when the co
     const poses = new Float32Array(poseStride(decodeTable(bytes).metadata.modes));
     forest.advance(0.016, null, [{ group: 0, poses } as never]);
     check();
+  });
+});
+
+describe("a change of the wind while the connection is down is made when it returns:", () => {
+  /** What a connection that has just been opened is asked, without greetings and pings. */
+  function asked(): string[] {
+    const line = Line.last;
+    line.readyState = Line.OPEN;
+    line.onopen?.();
+    return line.sent
+      .map((bytes) => decodeRequest((bytes as Uint8Array<ArrayBuffer>).slice().buffer))
+      .map((request) => (request.type === "wind" ? `${request.wind.model}` : request.type))
+      .filter((kind) => kind !== "hello" && kind !== "ping");
+  }
+
+  function check(change: () => void): void {
+    expect(asked()).toEqual(["forest"]);
+    Line.last.close();
+    change();
+    vi.advanceTimersByTime(2100);
+    expect(asked()).toEqual(["forest", PRESETS["storm-front"].model]);
+    Line.last.close(); // before the server has answered
+    vi.advanceTimersByTime(2100);
+    expect(asked()).toEqual(["forest", PRESETS["storm-front"].model]);
+    const state = { ...new WindField(PRESETS["storm-front"]).state };
+    Line.last.onmessage?.({ data: encodeReply({ type: "windState", state }).buffer });
+    Line.last.close();
+    vi.advanceTimersByTime(2100);
+    expect(asked()).toEqual(["forest"]);
+  }
+
+  test("of a streamed forest", () => {
+    const forest = new StreamedForest({ kind: "stream", url: "ws://here", share: "meadow", replant: false }, () => {});
+    const bytes = golden("pole.safetensors");
+    forest.read(0, bytes.slice().buffer, `tables/${"a".repeat(64)}`);
+    forest.plant(0, 0, Float32Array.of(1, 2, 0, 1));
+    forest.setWind(PRESETS.breeze);
+    const poses = new Float32Array(poseStride(decodeTable(bytes).metadata.modes));
+    forest.advance(0.016, null, [{ group: 0, poses } as never]);
+    check(() => forest.setWind(PRESETS["storm-front"]));
+  });
+
+  test("of one that is played here", () => {
+    const placement = Float32Array.of(1, 2, 0, 1);
+    const field = new WindField(PRESETS.breeze);
+    const groups = [{ table: "a".repeat(64), placement }];
+    const share = { id: "meadow", replant: false, about: {} };
+    const motion = new SharedMotion({ time_s: 0, dispose: () => {} } as LocalMotion, field, {
+      url: "ws://here",
+      placements: [placement],
+      request: () => forestRequest("table", groups, field, 0, { method: "modal", poseEasing: null, share }),
+      onReply: () => {},
+      problem: () => {},
+    });
+    check(() => motion.sendWind(PRESETS["storm-front"]));
+    motion.dispose();
   });
 });
 

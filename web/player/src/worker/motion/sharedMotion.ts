@@ -44,7 +44,11 @@ export class SharedMotion implements MotionSource {
     private readonly field: WindField,
     private readonly options: SharedMotionOptions,
   ) {
-    this.socket = new ForestSocket(options.url, { ...options, reply: (reply) => this.reply(reply) });
+    this.socket = new ForestSocket(options.url, {
+      ...options,
+      opened: () => this.windSender.reconnected(),
+      reply: (reply) => this.reply(reply),
+    });
     this.clock = new SharedClock(this.socket.clock);
     this.sender = new PullSender(options.placements, (request) => this.socket.send(request));
   }
@@ -55,7 +59,10 @@ export class SharedMotion implements MotionSource {
       this.clockReceived_ms = performance.now();
       this.socket.arrived();
     } else if (reply.type === "pulls") this.follow(reply);
-    else if (reply.type === "windState") this.field.state = parseState(reply.state);
+    else if (reply.type === "windState") {
+      this.windSender.answered();
+      this.field.state = parseState(reply.state);
+    }
     if (reply.type === "windState" || reply.type === "shared" || reply.type === "presence")
       this.options.onReply(reply);
   }

@@ -81,7 +81,8 @@ export class StreamMotion implements MotionSource {
     this.socket = new ForestSocket(options.url, {
       request: () => this.forestRequest(),
       opened: () => {
-        if (!options.share && this.stopped) this.sendPause();
+        if (options.share) this.windSender.reconnected();
+        else if (this.stopped) this.sendPause();
       },
       reply: (reply) => this.reply(reply),
       problem: options.problem,
@@ -118,7 +119,10 @@ export class StreamMotion implements MotionSource {
     if (reply.type === "frame") this.frame(reply);
     else if (reply.type === "clock") this.takeClock(reply);
     else if (reply.type === "pulls") this.pulls.receive(reply);
-    else if (reply.type === "windState") this.field.state = parseState(reply.state);
+    else if (reply.type === "windState") {
+      this.windSender.answered();
+      this.field.state = parseState(reply.state);
+    }
     if (reply.type === "shared" || reply.type === "windState" || reply.type === "presence")
       this.options.onReply?.(reply);
   }
