@@ -137,6 +137,7 @@ float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
   vec3 mean = max(textureLod(map, vMapUv, 10.0).rgb, 0.01);
   // Green leaves differ in lightness more than in hue, coloured ones in both.
   float hues = mix(0.3, 0.9, smoothstep(0.0, 0.3, vTint.r - 0.6 * vTint.g));
+  float picture = dot(leaf.rgb, vec3(0.2126, 0.7152, 0.0722));
   vec3 own = clamp(mix(vec3(shade / dot(mean, vec3(0.2126, 0.7152, 0.0722))), leaf.rgb / mean, hues), 0.45, 1.8);
 #else
   vec3 own = vec3(0.35 + 1.9 * shade);
@@ -322,6 +323,9 @@ vec3 passedColour(vec3 leaf) {
 }
 `;
 
+/** Level of a leaf picture at which veins are blurred and leaves are not yet. */
+const BESIDE_VEINS_LEVEL = 4;
+
 /** After lighting: light inside the crown, light through the leaves, and the gloss of their cuticle. */
 const LEAF_LIGHT = /* glsl */ `
 #include <lights_fragment_end>
@@ -336,9 +340,15 @@ reflectedLight.indirectDiffuse += leafTint * gaps * crownGlow(uSunColour, vPiece
 float through = pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0);
 float behind = saturate(0.45 - 0.55 * facingSun);
 float beneath = saturate(0.2 - 0.8 * dot(geometryViewDir, skyward_)); // leaves face all ways
+// Veins, which are lighter than the blade beside them, pass less.
+float thin = 1.0;
+#if defined(CUTICLE) && defined(USE_MAP)
+  vec3 beside = textureLod(map, leafUv, ${BESIDE_VEINS_LEVEL.toFixed(1)}).rgb;
+  thin -= close * min(0.5, 1.6 * max(0.0, picture / max(0.01, dot(beside, vec3(0.2126, 0.7152, 0.0722))) - 1.06));
+#endif
 vec3 passed = mix(directLight.color, uSunColour, 0.22 * gaps) * (0.35 + 0.65 * vPiece.y) * (0.6 * through + 0.34 * behind)
   + uSkyColour * crownSky(vPiece.y) * 0.7 * beneath;
-reflectedLight.directDiffuse += leafTint * passed * passedColour(diffuseColor.rgb);
+reflectedLight.directDiffuse += leafTint * thin * passed * passedColour(diffuseColor.rgb);
 #if defined(CUTICLE) && defined(USE_MAP)
   // Fresnel reflection of a waxy leaf (refractive index about 1.45), smoother on some leaves than on others.
   float gloss = mix(9.0, 48.0, fract(vPiece.x * 13.7)) * (0.4 + 0.6 * close);

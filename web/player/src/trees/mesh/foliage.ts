@@ -1,4 +1,4 @@
-/** Precomputed shading of foliage: rounded normals, openness to the sky, flutter weights. Pure. */
+/** Precomputed shading of foliage: rounded normals, flutter weights. Pure. */
 import { type Components, petioles } from "./components";
 
 interface Point {
@@ -23,18 +23,6 @@ export function roundNormals(positions: Float32Array, normals: Float32Array, cen
     out[i] = x / length;
     out[i + 1] = y / length;
     out[i + 2] = z / length;
-  }
-  return out;
-}
-
-/** Openness: 1 at the outside and top of the crown, down to 0.3 near the trunk. */
-export function openness(positions: Float32Array, centre: Point, radius_m: number): Float32Array {
-  const out = new Float32Array(positions.length / 3);
-  for (let v = 0; v < out.length; v++) {
-    const out_m = Math.hypot(positions[v * 3] - centre.x, positions[v * 3 + 2] - centre.z);
-    const up_m = positions[v * 3 + 1] - centre.y;
-    const shell = Math.hypot(out_m, up_m) / radius_m;
-    out[v] = Math.min(1, 0.3 + 0.62 * shell ** 1.3 + 0.18 * Math.max(-0.6, up_m / radius_m));
   }
   return out;
 }

@@ -20,7 +20,7 @@ import {
   separate,
   weldedComponents,
 } from "./components";
-import { leafFreedom, openness, roundNormals } from "./foliage";
+import { leafFreedom, roundNormals } from "./foliage";
 import type { PartGeometry } from "./limbs";
 
 /** Wood moves with its branch; leaves also flutter and are lit from both sides. */
@@ -37,7 +37,10 @@ export interface TreePart {
   readonly position: BufferAttribute;
   /** The point to which the vertex's leaf or branch shrinks, and the key of its limb (limbKeys.ts). */
   readonly anchor: BufferAttribute;
-  /** Random number of the piece, openness to the sky, freedom of the leaf vertex to flutter, rank of the piece. */
+  /**
+   * Random number of the piece, openness to the sky (0..1; 1 unless the reader of a scene knows it), freedom of the leaf vertex to
+   * flutter, rank of the piece.
+   */
   readonly piece: BufferAttribute;
   /** The vertex whose node each vertex uses: a small leaf is bound to a single node, so that it keeps its shape. */
   readonly hold: Uint32Array;
@@ -139,7 +142,6 @@ export interface ReadPart {
 function partFrom(
   mesh: Mesh<BufferGeometry, MeshStandardMaterial>,
   centre: Vector3,
-  radius_m: number,
   bare: boolean,
 ): ReadPart {
   const { geometry } = mesh;
@@ -151,14 +153,13 @@ function partFrom(
   const pieces = connectedComponents(index, vertices);
   const leaves = kind === "leaves";
   const normals = floats(geometry.getAttribute("normal") as BufferAttribute);
-  const open = openness(positions, centre, radius_m);
   const reach = leaves ? leafFreedom(pieces, positions) : new Float32Array(vertices);
   const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
   const piece = new Float32Array(vertices * 4);
   const anchor = new Float32Array(vertices * 4).fill(COMMON_KEY);
   for (let v = 0; v < vertices; v++) {
     piece[4 * v] = hashUnit(pieces.ofVertex[v], 3);
-    piece[4 * v + 1] = open[v];
+    piece[4 * v + 1] = 1;
     piece[4 * v + 2] = reach[v];
     piece[4 * v + 3] = ranks[of.ofVertex[v]];
     for (let axis = 0; axis < 3; axis++) anchor[v * 4 + axis] = anchors[of.ofVertex[v] * 3 + axis];
@@ -206,7 +207,7 @@ export function readParts(scene: Object3D): { read: ReadPart[]; height_m: number
   const radius_m = Math.max(Math.abs(low.x), Math.abs(low.z), high.x, high.z, 0.1);
   const centre = new Vector3((low.x + high.x) / 2, 0.25 * low.y + 0.62 * high.y, (low.z + high.z) / 2);
   const bare = meshes.every((mesh) => kindOf(mesh) === "wood"); // a tree without leaves
-  const read = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4), bare));
+  const read = meshes.map((mesh) => partFrom(mesh, centre, bare));
   for (const mesh of meshes) mesh.geometry.dispose();
   return { read, height_m: high.y, radius_m };
 }
