@@ -50,14 +50,14 @@ export const LIGHT_GLSL = /* glsl */ `
   vec3 colour = diffuseColor.rgb * RECIPROCAL_PI;
   vec3 skyward_ = (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz;
   reflectedLight.directDiffuse *= reached * clearance * mix(1.0, 0.6 + 0.4 * open, leafy);
-  reflectedLight.indirectDiffuse *= crownSky(open) * mix(stemSky(1.0 - uBare, facingSun), vec3(1.0), leafy);
+  reflectedLight.indirectDiffuse *= mix(crownSky(open) * stemSky(1.0 - uBare, facingSun), leafSky(open), leafy);
   reflectedLight.indirectDiffuse += colour * mix(0.7, 1.0, leafy) * crownGlow(uSunColour, open, facingSun);
   reflectedLight.indirectDiffuse *= (0.6 + 0.4 * clearance) * (0.45 + 0.55 * min(1.0, 1.3 * open));
   float through = pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0);
   float behind = saturate(0.45 - 0.55 * facingSun);
   float beneath = saturate(0.2 - 0.8 * dot(geometryViewDir, skyward_));
   vec3 passed = mix(uSunColour, directLight.color, 0.78) * reached * clearance * (0.35 + 0.65 * open)
-    * (0.6 * through + 0.34 * behind) + uSkyColour * crownSky(open) * 0.7 * beneath;
+    * (0.6 * through + 0.34 * behind) + uSkyColour * leafSky(open) * 0.7 * beneath;
   reflectedLight.directDiffuse += leafy * colour * passed * passedColour(diffuseColor.rgb);
 }
 `;

@@ -23,9 +23,9 @@ const inner = (count: number) => (1 - 1 / count).toFixed(6);
 
 /**
  * Part of its light that the air among trees lacks, because they shade it: with the sun at the horizon, and high (assumed; it keeps the
- * contrast of a wood below a low sun). It fades with the height of the path above the base of the mist, and with its length, m.
+ * contrast of a wood, and its shade from being blue). It fades with the height of the path above the base of the mist, and with its length, m.
  */
-const SHADED_AIR = [0.65, 0.15] as const;
+const SHADED_AIR = [0.65, 0.45] as const;
 const SHADED_BELOW_M = [14, 30] as const;
 const SHADED_WITHIN_M = [150, 700] as const;
 

@@ -295,6 +295,8 @@ vec3 nonPerturbedNormal = normal;
  */
 const STEM_SKY_RGB = "vec3(1.02, 0.93, 0.72)";
 const STEM_SKY_SIDED = 0.26;
+/** So is the light of the sky inside a crown, where it comes through and from other leaves: without it, spruces in shade are blue. */
+const LEAF_SKY_RGB = "vec3(1.04, 0.97, 0.62)";
 
 /**
  * Light inside a crown, where neither the shadow map nor the hemisphere light know how much reaches a leaf: part of the
@@ -304,6 +306,10 @@ export const CROWN_LIGHT = /* glsl */ `
 /** Share of the sky light at an openness (0 inside the crown, 1 outside). */
 float crownSky(float open) {
   return 0.58 + 0.42 * open;
+}
+/** Factor of the sky light on leaves. */
+vec3 leafSky(float open) {
+  return crownSky(open) * mix(${LEAF_SKY_RGB}, vec3(1.0), open);
 }
 /** Share of the sun that finds gaps: a low one meets more crowns on its way. high: sine of its elevation. */
 float crownGaps(float high) {
@@ -332,7 +338,7 @@ const LEAF_LIGHT = /* glsl */ `
 vec3 skyward_ = (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz;
 float facingSun = dot(geometryNormal, directLight.direction);
 float gaps = crownGaps(dot(directLight.direction, skyward_));
-reflectedLight.indirectDiffuse *= crownSky(vPiece.y);
+reflectedLight.indirectDiffuse *= leafSky(vPiece.y);
 reflectedLight.directDiffuse *= 0.6 + 0.4 * vPiece.y;
 vec3 leafTint = diffuseColor.rgb * RECIPROCAL_PI;
 reflectedLight.indirectDiffuse += leafTint * gaps * crownGlow(uSunColour, vPiece.y, facingSun);
@@ -347,7 +353,7 @@ float thin = 1.0;
   thin -= close * min(0.5, 1.6 * max(0.0, picture / max(0.01, dot(beside, vec3(0.2126, 0.7152, 0.0722))) - 1.06));
 #endif
 vec3 passed = mix(directLight.color, uSunColour, 0.22 * gaps) * (0.35 + 0.65 * vPiece.y) * (0.6 * through + 0.34 * behind)
-  + uSkyColour * crownSky(vPiece.y) * 0.7 * beneath;
+  + uSkyColour * leafSky(vPiece.y) * 0.7 * beneath;
 reflectedLight.directDiffuse += leafTint * thin * passed * passedColour(diffuseColor.rgb);
 #if defined(CUTICLE) && defined(USE_MAP)
   // Fresnel reflection of a waxy leaf (refractive index about 1.45), smoother on some leaves than on others.
