@@ -1,4 +1,6 @@
+import { readFileSync } from "node:fs";
 import AxeBuilder from "@axe-core/playwright";
+import { PNG } from "pngjs";
 import { background, changedPixels, expect, forest, frames, open, type Picture, picture, SMALL, sway_m, test } from "../forest";
 
 const still = `${SMALL}&speed=0`;
@@ -269,6 +271,9 @@ test.describe("on a wide page", () => {
       const photo = page.waitForEvent("download");
       await page.getByRole("button", { name: "Save photo" }).click();
       expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
+      // all pixels of the screen, though low quality draws fewer
+      const { width, height } = PNG.sync.read(readFileSync(await (await photo).path()));
+      expect([width, height]).toEqual([200, 75]);
       const film = page.getByRole("button", { name: "Record video" });
       await film.click();
       await expect(film).toHaveAttribute("aria-pressed", "true");

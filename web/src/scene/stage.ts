@@ -46,6 +46,8 @@ const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: 
 const SPRAYS_M: Record<Quality, number> = { low: 0, medium: 15, high: 24 };
 /** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
 const BARE_DETAIL: Record<Quality, number> = { low: 4, medium: 1, high: 0.95 };
+/** How near the visitor may come to what the camera looks at. */
+const NEAREST_M = 1;
 /** How far the view may be turned up, as the angle of the camera from above its target: crowns are seen from below. */
 const MAX_POLAR_RAD = 0.75 * Math.PI;
 
@@ -73,6 +75,9 @@ export class Stage {
   private readonly seen = new Matrix4();
   private readonly observer: ResizeObserver;
   private quality: Quality;
+  /** Whether the next pictures have all pixels of the screen at any quality, for a photo. */
+  sharp = false;
+  private drawnSharp = false;
   /** At high quality only. */
   private occlusion: AmbientOcclusion | null = null;
   /** Number of pictures that show the present shadows; infinite if these are outdated. */
@@ -125,7 +130,7 @@ export class Stage {
     controls.target.copy(EDGE_VIEW.target);
     controls.enableDamping = true;
     controls.dampingFactor = 0.12;
-    controls.minDistance = 4;
+    controls.minDistance = NEAREST_M;
     controls.maxDistance = 260;
     controls.maxPolarAngle = MAX_POLAR_RAD;
     controls.listenToKeyEvents(this.canvas);
@@ -137,7 +142,9 @@ export class Stage {
     const width = Math.max(1, this.canvas.clientWidth);
     const height = Math.max(1, this.canvas.clientHeight);
     const { quality } = this;
-    this.renderer.setPixelRatio(Math.min(SHARPNESS[quality] * devicePixelRatio, PIXEL_RATIO[quality]));
+    this.drawnSharp = this.sharp;
+    const sharpness = this.sharp ? 1 : SHARPNESS[quality];
+    this.renderer.setPixelRatio(Math.min(sharpness * devicePixelRatio, PIXEL_RATIO[quality]));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     // On a portrait screen, keep the horizontal field of view of a square one.
@@ -263,6 +270,7 @@ export class Stage {
    * this picture shows that the last one did not; shadows come after the last of them. The driver takes long to make each ready.
    */
   render(dt_s: number, more: number): void {
+    if (this.sharp !== this.drawnSharp) this.resize(); // here, because it clears the canvas
     const whole = more > this.later.length;
     for (const object of this.later.splice(0, more)) this.scene.add(object);
     this.renderer.shadowMap.autoUpdate = whole && this.castsAnew();

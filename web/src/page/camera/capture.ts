@@ -35,6 +35,7 @@ export class Capture {
     const { state } = store;
     const photo = tool("photo", "Save photo", () => {
       this.photoWanted = true;
+      this.world.stage.sharp = true;
     });
     const film = toggle(
       "film",
@@ -50,6 +51,7 @@ export class Capture {
   drawn(): void {
     if (!this.photoWanted) return;
     this.photoWanted = false;
+    this.world.stage.sharp = false;
     this.world.canvas.toBlob((picture) => {
       if (picture) saveFile(picture, `galewood-${stamp()}.png`);
       else showToast("The photo could not be saved.", "The browser returned no image.");
