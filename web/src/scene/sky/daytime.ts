@@ -151,7 +151,7 @@ export function atmosphereAt(daytime: number, season: Season): Atmosphere {
     exposure: exposureFor(direct, clear, sun.elevation_deg, shownLight),
     shownLight,
     nightVision: 1 - smoothstep(NIGHT_DEG, COLOURS_FROM_DEG, day.elevation_deg),
-    haze: times([0.00042, 0.0006, 0.00092], 0.75 + 0.35 * look.haziness + 0.9 * morning + 0.3 * dusk),
+    haze: times([0.00032, 0.00045, 0.0007], 0.75 + 0.35 * look.haziness + 0.9 * morning + 0.3 * dusk),
     mist: DENSE_MIST * look.mist * morning,
     weather: CLEAR_WEATHER,
   };
