@@ -26,3 +26,22 @@ test("after a cut the exposure suits the new place at once, otherwise it eases",
   expect(here).toBeGreaterThan(1.1 * there);
   expect(lighting.expose(10, low)).toBe(here);
 });
+
+test("below closed clouds the eye adapts to the shade of crowns in the evening, too", () => {
+  const low = new Vector3(0.6, 0.1, 0.6).normalize();
+  const sky = { advance: () => {}, behindCloud: () => 0, show: () => {} } as unknown as Sky;
+  const daylight = { towardsSun: low, show: () => {} } as unknown as Daylight;
+  const crowns = Float32Array.from([-12, 0, 12, 24].flatMap((z) => [12, 9, z, 8, 9, 0.1, 0.2, 0.05]));
+  /** Exposure beside the crowns relative to that in the open. */
+  const adapted = (wind_m_s: number) => {
+    const lighting = new Lighting(sky, daylight);
+    lighting.choose(0.95, "summer");
+    lighting.advance(0, { x: wind_m_s, z: 0 });
+    const open = lighting.expose(0, cameraAt(2));
+    lighting.crowns = crowns;
+    lighting.adaptAtOnce();
+    return lighting.expose(0, cameraAt(2)) / open;
+  };
+  expect(adapted(0)).toBeGreaterThan(1);
+  expect(adapted(22)).toBeGreaterThan(1.1 * adapted(0));
+});

@@ -139,7 +139,7 @@ export function viewLight(gaze: Gaze, scene: Surroundings): number {
 
 /**
  * Gain of the exposure for a view of this light, at most MOST_GAIN. Nearer to 1 for a low sun, whose long shadows the
- * exposure of the hour already allows for. `sunSine`: sine of the sun's elevation. `above_m`: height of the eye above the ground.
+ * exposure of the hour already allows for. `sunSine`: sine of the sun's elevation; 1 below closed clouds, where there are no shadows. `above_m`: height of the eye above the ground.
  */
 export function gainFor(light: number, sunSine = 1, above_m = 0): number {
   const gain = (Math.max(1e-6, light) / USUAL_LIGHT) ** -ADAPTATION_SHARE;

@@ -6,7 +6,7 @@ import type { Daylight } from "./daylight";
 import { type Atmosphere, atmosphereAt, underClouds } from "./daytime";
 import { type Crowns, crownsNear, easeGain, gainFor, type Vector, viewLight } from "./exposure";
 import type { Sky } from "./sky";
-import { easeWeather, type Weather, weatherFor } from "./weather";
+import { closed, easeWeather, type Weather, weatherFor } from "./weather";
 
 /** Smallest change of a cloud before the sun that is shown. */
 const MIN_VISIBLE_CHANGE = 0.01;
@@ -94,8 +94,11 @@ export class Lighting {
 
   /** Exposure of the next picture, dt_s after the last one. */
   expose(dt_s: number, camera: PerspectiveCamera): number {
-    if (this.gain === 0 || this.pictures++ % LOOK_EVERY === 0)
-      this.target = gainFor(this.seen(camera), this.daylight.towardsSun.y, aboveGround_m(camera));
+    if (this.gain === 0 || this.pictures++ % LOOK_EVERY === 0) {
+      const shadowless = this.weather ? closed(this.weather) : 0;
+      const sine = Math.max(this.daylight.towardsSun.y, shadowless);
+      this.target = gainFor(this.seen(camera), sine, aboveGround_m(camera));
+    }
     this.gain = this.gain === 0 ? this.target : easeGain(this.gain, this.target, dt_s);
     return this.exposure * this.gain;
   }
