@@ -1,8 +1,9 @@
-/** The exposure of the pictures before and after the camera is moved. */
-import { PerspectiveCamera, Vector3 } from "three";
+/** The exposure of the pictures before and after the camera is moved, and the edges of shadows. */
+import { PerspectiveCamera, ShaderChunk, Vector3 } from "three";
 import { expect, test } from "vitest";
 import type { Daylight } from "../../../web/src/scene/sky/daylight";
 import { Lighting } from "../../../web/src/scene/sky/lighting";
+import { steadyShadows } from "../../../web/src/scene/sky/steadyShadows";
 import type { Sky } from "../../../web/src/scene/sky/sky";
 
 const NOON_SUN = new Vector3(0.2, 0.9, 0.1).normalize();
@@ -44,4 +45,14 @@ test("below closed clouds the eye adapts to the shade of crowns in the evening, 
   };
   expect(adapted(0)).toBeGreaterThan(1);
   expect(adapted(22)).toBeGreaterThan(1.1 * adapted(0));
+});
+
+test("shadows are read at the same places in every pixel", () => {
+  // three.js names the function that turns them; another release may write it differently
+  const noise = /float interleavedGradientNoise\( vec2 position \) \{\s*return ([^;]*);/;
+  const of = () => noise.exec(ShaderChunk.shadowmap_pars_fragment)?.[1];
+  expect(of()).toContain("position");
+  steadyShadows();
+  steadyShadows();
+  expect(of()).toBe("0.3");
 });

@@ -8,6 +8,7 @@ import { air } from "./air";
 import type { Rgb } from "./atmosphere";
 import { type Atmosphere, SUN_POWER } from "./daytime";
 import { fillSkyTexture, makeSkyTexture } from "./skyTexture";
+import { steadyShadows } from "./steadyShadows";
 import { closed } from "./weather";
 
 const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
@@ -42,6 +43,7 @@ export class Daylight {
   private readonly texture = makeSkyTexture();
 
   constructor(quality: Quality) {
+    steadyShadows();
     this.sun.castShadow = true;
     this.group.add(this.sun, this.sky);
     air.uSky.value = this.texture;
