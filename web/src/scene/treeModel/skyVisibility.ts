@@ -14,7 +14,7 @@ export interface Leaves {
 }
 
 /** Cells along each side of the grid. */
-const CELLS = 10;
+const GRID_CELLS = 10;
 /**
  * Extinction coefficient: 0.5 for black leaves that face all ways, times the root of the share of the light that a leaf keeps, since the
  * rest goes on (Goudriaan 1977); of visible light three quarters (assumed).
@@ -43,8 +43,8 @@ interface Grid {
   readonly values: Float32Array;
 }
 
-const at = (x: number, y: number, z: number) => (z * CELLS + y) * CELLS + x;
-const within = (cell: number) => Math.min(CELLS - 1, Math.max(0, Math.floor(cell)));
+const at = (x: number, y: number, z: number) => (z * GRID_CELLS + y) * GRID_CELLS + x;
+const within = (cell: number) => Math.min(GRID_CELLS - 1, Math.max(0, Math.floor(cell)));
 
 function emptyGrid(leaves: readonly Leaves[]): Grid | null {
   const low: [number, number, number] = [Infinity, Infinity, Infinity];
@@ -57,9 +57,9 @@ function emptyGrid(leaves: readonly Leaves[]): Grid | null {
       high[axis] = Math.max(high[axis], value);
     }
   }
-  const side = (axis: 0 | 1 | 2) => Math.max(1e-3, (high[axis] - low[axis]) / CELLS);
+  const side = (axis: 0 | 1 | 2) => Math.max(1e-3, (high[axis] - low[axis]) / GRID_CELLS);
   if (!Number.isFinite(low[0])) return null;
-  return { low, cell_m: [side(0), side(1), side(2)], values: new Float32Array(CELLS ** 3) };
+  return { low, cell_m: [side(0), side(1), side(2)], values: new Float32Array(GRID_CELLS ** 3) };
 }
 
 /** Adds the area of a triangle at the middles of the four triangles into which its sides' middles divide it, m². */
@@ -107,11 +107,11 @@ function addRay(seen: Grid, density: Float32Array, ray: Point): void {
   const step_m = STEP_SHARE * Math.min(...cell_m);
   const [dx, dy, dz] = [0, 1, 2].map((axis) => (ray[axis] * step_m) / cell_m[axis]);
   for (let cell = 0; cell < values.length; cell++) {
-    let x = (cell % CELLS) + 0.5 * (1 + dx);
-    let y = (Math.floor(cell / CELLS) % CELLS) + 0.5 * (1 + dy);
-    let z = Math.floor(cell / CELLS ** 2) + 0.5 * (1 + dz);
+    let x = (cell % GRID_CELLS) + 0.5 * (1 + dx);
+    let y = (Math.floor(cell / GRID_CELLS) % GRID_CELLS) + 0.5 * (1 + dy);
+    let z = Math.floor(cell / GRID_CELLS ** 2) + 0.5 * (1 + dz);
     let sum = 0;
-    while (x >= 0 && x < CELLS && y < CELLS && z >= 0 && z < CELLS) {
+    while (x >= 0 && x < GRID_CELLS && y < GRID_CELLS && z >= 0 && z < GRID_CELLS) {
       sum += density[at(Math.floor(x), Math.floor(y), Math.floor(z))];
       x += dx;
       y += dy;
@@ -125,7 +125,7 @@ function addRay(seen: Grid, density: Float32Array, ray: Point): void {
 function visibility({ low, cell_m, values }: Grid): Grid {
   const volume_m3 = cell_m[0] * cell_m[1] * cell_m[2];
   const density = values.map((area_m2) => area_m2 / volume_m3);
-  const seen: Grid = { low, cell_m, values: new Float32Array(CELLS ** 3) };
+  const seen: Grid = { low, cell_m, values: new Float32Array(GRID_CELLS ** 3) };
   for (const ray of RAYS) addRay(seen, density, ray);
   return seen;
 }
@@ -138,8 +138,8 @@ function sampled({ low, cell_m, values }: Grid, positions: ArrayLike<number>): F
   for (let v = 0; v < out.length; v++) {
     for (let axis = 0; axis < 3; axis++) {
       const place = (positions[3 * v + axis] - low[axis]) / cell_m[axis] - 0.5;
-      const inside = Math.min(CELLS - 1, Math.max(0, place));
-      floor[axis] = Math.min(CELLS - 2, Math.floor(inside));
+      const inside = Math.min(GRID_CELLS - 1, Math.max(0, place));
+      floor[axis] = Math.min(GRID_CELLS - 2, Math.floor(inside));
       share[axis] = inside - floor[axis];
     }
     for (let corner = 0; corner < 8; corner++) {
