@@ -99,6 +99,8 @@ const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 /** Least light shown, by day and twilight under any clouds, and at night: pictures are never black. */
 const LEAST_SHOWN = { day: 1.25, night: 0.85 } as const;
+/** More of it below a closed cover by day, where a wood has no bright spots. */
+const MORE_UNDER_CLOUDS = 0.35;
 
 /**
  * Exposure for the light of sun and sky. The adaptation is partial, so that dusk and storms stay darker than noon, down to
@@ -165,7 +167,8 @@ export function underClouds(clear: Atmosphere, season: Season, weather: Weather,
   const below = belowClouds({ sunlight: clear.sunlight, skylight }, sine, weather, behind);
   const lit = { ...below, skylight: times(below.skylight, 1 + SNOW_GAIN * snow * closed(weather)) };
   const misty = mist * (1 - smoothstep(3, 9, weather.speed_m_s));
-  const adapted = exposureFor(lit.sunlight, lit.skylight, sun.elevation_deg, clear.shownLight);
+  const more = 1 + MORE_UNDER_CLOUDS * closed(weather) * (1 - clear.nightVision);
+  const adapted = exposureFor(lit.sunlight, lit.skylight, sun.elevation_deg, more * clear.shownLight);
   return {
     ...clear,
     ...lit,
