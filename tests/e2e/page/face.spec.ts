@@ -6,6 +6,9 @@ import { background, changedPixels, expect, forest, frames, open, type Picture, 
 const still = `${SMALL}&speed=0`;
 const panelled = still.replace("panel=0", "panel=1");
 
+/** Pictures after which what is around the trees, which appears thing by thing, and the shadows are all shown. */
+const ALL_SHOWN_FRAMES = 15;
+
 /** Mean of each channel over the upper part of a picture: the sky. */
 function skyColour({ width, height, data }: Picture): [number, number, number] {
   const sum: [number, number, number] = [0, 0, 0];
@@ -64,7 +67,7 @@ test.describe("pictures", () => {
     const shown = async (quality: string) => {
       await open(page, still.replace("quality=low", `quality=${quality}`));
       await forest(page);
-      await frames(page, 3);
+      await frames(page, ALL_SHOWN_FRAMES);
       return picture(page);
     };
     const [medium, high] = [await shown("medium"), await shown("high")];
@@ -96,7 +99,7 @@ test.describe("pictures", () => {
     const link = await page.evaluate(() => navigator.clipboard.readText());
     const bare = async () => {
       await page.addStyleTag({ content: "body > :not(main) { visibility: hidden !important }" });
-      await frames(page, 3);
+      await frames(page, ALL_SHOWN_FRAMES);
       return picture(page);
     };
     const before = await bare();

@@ -24,7 +24,7 @@ const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
 /** Largest gain, below dense crowns. */
-export const MOST_GAIN = 2.1;
+export const MOST_GAIN = 1.75;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
 const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
