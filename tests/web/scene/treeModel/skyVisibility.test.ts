@@ -98,6 +98,18 @@ test(`beneath a wide layer of leaves it is the integral of the transmittance ove
   expect(Math.abs(beneath - exact)).toBeLessThan(0.05);
 });
 
+test(`of very many leaves some are collected, for the same result (seed ${SEED})`, () => {
+  const crown = (count: number) => {
+    const random = seededRandom(SEED);
+    return scattered(count, 100 / count, random, () => [5 * random(), 5 * random(), 5 * random()]);
+  };
+  const places = [2, 2, 2, 0, 1, 2, 4, 4.5, 1];
+  const [few, many] = [40_000, 240_001].map((count) => skyVisibility([crown(count)])(places));
+  many.forEach((seen, k) => {
+    expect(Math.abs(seen - few[k])).toBeLessThan(0.03); // not 0, because the leaves differ
+  });
+});
+
 test("all of the sky is seen without leaves, and less with more of them", () => {
   expect([...skyVisibility([])([0, 0, 0, 1, 2, 3])]).toEqual([1, 1]);
   const crown = (count: number) => {

@@ -22,6 +22,8 @@ const GRID_CELLS = 10;
 const EXTINCTION_K = 0.5 * Math.sqrt(0.75);
 /** Steps of a ray relative to the shortest side of a cell. */
 const STEP_SHARE = 0.7;
+/** Triangles of a mesh whose area is collected; of a larger one, each stands for several. */
+const MOST_TRIANGLES = 50_000;
 /** Rings of rays with the same share of the sky each, and rays in each ring. */
 const RING_COUNT = 3;
 const RAYS_PER_RING = 5;
@@ -95,8 +97,9 @@ function leafArea(leaves: readonly Leaves[]): Grid | null {
       const v = 3 * index[k];
       return [positions[v], positions[v + 1], positions[v + 2]];
     };
-    for (let k = 0; k < index.length; k += 3)
-      addTriangle(grid, [corner(k), corner(k + 1), corner(k + 2)], cover);
+    const each = Math.ceil(index.length / (3 * MOST_TRIANGLES));
+    for (let k = 0; k < index.length; k += 3 * each)
+      addTriangle(grid, [corner(k), corner(k + 1), corner(k + 2)], each * cover);
   }
   return grid;
 }
