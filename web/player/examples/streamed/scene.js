@@ -35,9 +35,10 @@ await forest.plant(
 select.addEventListener("change", () => {
   forest.wind = PRESETS[select.value];
 });
-let before_ms = performance.now();
+let before_ms = null;
 renderer.setAnimationLoop((now_ms) => {
-  forest.update((now_ms - before_ms) / 1000, camera);
+  // not from performance.now(): the first picture may have begun before this script came here
+  forest.update((now_ms - (before_ms ?? now_ms)) / 1000, camera);
   before_ms = now_ms;
   renderer.render(scene, camera);
 });
