@@ -127,7 +127,7 @@ test("react-three-fiber in strict mode: trees sway, and can be clicked", { tag: 
 
 test("a shared forest that the service streams: everyone sees a change of the wind", { tag: "@long" }, async ({ page, context }) => {
   const address = `${await serving(EXAMPLES, process.env.BASE_URL)}/streamed/?share=test-${Date.now()}`;
-  // on a busy machine a picture begins long before its script is called
+  // on a busy machine the timestamp of a frame lies long before its callback runs
   await page.addInitScript(() => {
     const next = window.requestAnimationFrame.bind(window);
     window.requestAnimationFrame = (callback) => next((now_ms) => callback(now_ms - 500));

@@ -3,6 +3,7 @@ import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Backoff } from "../../../../web/player/src/core/net/backoff";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
 import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
+import type { WindDocument } from "../../../../web/player/src/core/wind/document";
 import { WindField } from "../../../../web/player/src/core/wind/field";
 import { PRESETS } from "../../../../web/player/src/core/wind/presets";
 import { decodeRequest, encodeReply, type Reply } from "../../../../web/player/src/core/wire/wire";
@@ -172,6 +173,18 @@ describe("the socket", () => {
   });
 });
 
+/** A streamed forest of one tree, which has asked for a connection. */
+function streamed(replant: boolean, wind: WindDocument): StreamedForest {
+  const forest = new StreamedForest({ kind: "stream", url: "ws://here", share: "meadow", replant }, () => {});
+  const bytes = golden("pole.safetensors");
+  forest.read(0, bytes.slice().buffer, `tables/${"a".repeat(64)}`);
+  forest.plant(0, 0, Float32Array.of(1, 2, 0, 1));
+  forest.setWind(wind);
+  const poses = new Float32Array(poseStride(decodeTable(bytes).metadata.modes));
+  forest.advance(0.016, null, [{ group: 0, poses } as never]);
+  return forest;
+}
+
 describe("trees replace those of a shared forest once, and not again when the connection returns:", () => {
   const shared: Reply = {
     type: "shared",
@@ -217,13 +230,7 @@ describe("trees replace those of a shared forest once, and not again when the co
   });
 
   test("those of a streamed forest of the package", () => {
-    const forest = new StreamedForest({ kind: "stream", url: "ws://here", share: "meadow", replant: true }, () => {});
-    const bytes = golden("pole.safetensors");
-    forest.read(0, bytes.slice().buffer, `tables/${"a".repeat(64)}`);
-    forest.plant(0, 0, Float32Array.of(1, 2, 0, 1));
-    forest.setWind(PRESETS.still);
-    const poses = new Float32Array(poseStride(decodeTable(bytes).metadata.modes));
-    forest.advance(0.016, null, [{ group: 0, poses } as never]);
+    streamed(true, PRESETS.still);
     check();
   });
 });
@@ -257,13 +264,7 @@ describe("a change of the wind while the connection is down is made when it retu
   }
 
   test("of a streamed forest", () => {
-    const forest = new StreamedForest({ kind: "stream", url: "ws://here", share: "meadow", replant: false }, () => {});
-    const bytes = golden("pole.safetensors");
-    forest.read(0, bytes.slice().buffer, `tables/${"a".repeat(64)}`);
-    forest.plant(0, 0, Float32Array.of(1, 2, 0, 1));
-    forest.setWind(PRESETS.breeze);
-    const poses = new Float32Array(poseStride(decodeTable(bytes).metadata.modes));
-    forest.advance(0.016, null, [{ group: 0, poses } as never]);
+    const forest = streamed(false, PRESETS.breeze);
     check(() => forest.setWind(PRESETS["storm-front"]));
   });
 

@@ -37,7 +37,7 @@ select.addEventListener("change", () => {
 });
 let before_ms = null;
 renderer.setAnimationLoop((now_ms) => {
-  // not from performance.now(): the first picture may have begun before this script came here
+  // not performance.now(): the first frame may have begun before this line ran
   forest.update((now_ms - (before_ms ?? now_ms)) / 1000, camera);
   before_ms = now_ms;
   renderer.render(scene, camera);

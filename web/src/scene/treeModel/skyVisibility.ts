@@ -1,5 +1,5 @@
 /**
- * How much of the sky each place in a crown sees: an occlusion volume of the species. The leaf area is collected in a grid,
+ * How much of the sky each place in a crown sees: an occlusion volume of the tree. The leaf area is collected in a grid,
  * and from the middle of each cell rays go through it to the whole sky. Along a ray, leaves that face all ways let
  * exp(−K L) of the light pass, where L is the leaf area per area in its way (Beer's law in canopies: Monsi and Saeki 1953). Pure.
  */
