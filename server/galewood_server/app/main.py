@@ -9,9 +9,11 @@ import logging
 import sys
 import time
 from collections.abc import AsyncGenerator
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack, asynccontextmanager, suppress
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import TextIO
 
 import uvicorn
@@ -67,6 +69,8 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
+        threads = ThreadPoolExecutor(thread_name_prefix="galewood")
+        asyncio.get_running_loop().set_default_executor(threads)
         stack = ExitStack()  # closed last, because the tasks' children use the folder
         stack.enter_context(await asyncio.to_thread(_lock, settings.data_dir))
         stack.enter_context(temporary_files_in(settings.temporary_dir))
@@ -96,7 +100,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
-            await _end_threads(settings.shutdown_s)
+            await end_threads(threads, settings.shutdown_s)
             limited.close()
             stack.close()
 
@@ -143,18 +147,19 @@ async def _prepare(settings: Settings, importer: LimitedImporter | None) -> None
         await asyncio.to_thread(importer.prepare)
 
 
-async def _end_threads(patience_s: float) -> None:
+async def end_threads(threads: Executor, patience_s: float) -> None:
     """End the threads of cancelled tasks and requests, with the processes that they wait for.
 
     uvicorn ends this process by a signal as soon as the application has shut down, which waits for no thread.
+    The event loop's own method to wait for its threads is not used: in Python 3.11 it logs an error when the
+    loop is closed before the threads have ended.
     """
-    ending = asyncio.ensure_future(asyncio.get_running_loop().shutdown_default_executor())
+    ending = Thread(target=threads.shutdown, daemon=True)
+    ending.start()
     end_s = time.monotonic() + patience_s
-    while not ending.done():
+    while ending.is_alive() and time.monotonic() < end_s:
         GuardedProcess.end_all()  # again and again, because a thread may start the next
-        await asyncio.wait([ending], timeout=THREAD_CHECK_S)
-        if time.monotonic() > end_s:
-            return
+        await asyncio.sleep(THREAD_CHECK_S)
 
 
 def _service(settings: Settings, importer: MeshImporter) -> Service:

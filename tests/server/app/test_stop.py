@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import os
@@ -10,10 +11,13 @@ import signal
 import socket
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Event, Timer
 
 import httpx
 import pytest
+from galewood_server.app.main import end_threads
 from galewood_server.storage import Stores
 
 from tests.server.jobs.test_jobs import begin, gone
@@ -85,6 +89,22 @@ def test_an_import_has_ended_when_a_stopped_server_ends(
     assert not (server.data_dir / "tmp").exists()
     assert "Traceback" not in server.log(), server.log()
     upload.close()
+
+
+def test_a_thread_that_outlasts_the_time_to_stop_is_no_error(caplog: pytest.LogCaptureFixture) -> None:
+    """The event loop, which is closed before the thread has ended, logged "invalid state" in Python 3.11."""
+    released, threads = Event(), ThreadPoolExecutor()
+
+    async def stopped() -> None:
+        loop = asyncio.get_running_loop()
+        loop.set_default_executor(threads)
+        busy = loop.run_in_executor(None, released.wait)
+        await end_threads(threads, 0.1)
+        assert not busy.done()
+        Timer(0.1, released.set).start()
+
+    asyncio.run(stopped())
+    assert released.is_set() and not caplog.records, caplog.text
 
 
 def test_a_first_start_compiles_the_kernels_until_the_server_stops(
