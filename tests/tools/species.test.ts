@@ -2,10 +2,10 @@ import { readFileSync, statSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { beforeAll, describe, expect, it } from "vitest";
 import { readGlb } from "../../tools/species/glb";
-import { drawShoots, drawSprays, type GrownSpecies, growSpecies } from "../../tools/species/grow";
+import { describeSprays, drawShoots, drawSprays, type GrownSpecies, growSpecies } from "../../tools/species/grow";
 import { SPECIES } from "../../tools/species/parameters";
 import { decodePng } from "../../tools/species/pictures/picture";
-import { SHOOT_TILES_PER_SIDE } from "../../web/src/scene/treeModel/sprayTiles";
+import { SHEET_ROWS, SHOOT_TILES_PER_SIDE } from "../../web/src/scene/treeModel/sprayTiles";
 
 type Vec = [number, number, number];
 type GltfDocument = Awaited<ReturnType<typeof readGlb>>;
@@ -238,8 +238,10 @@ it.each(SPECIES.filter(({ form }) => form === "open"))("reproduces the picture o
   const drawn = decodePng(drawSprays(species));
   expect([drawn.width, drawn.height]).toEqual([committed.width, committed.height]);
   expect(Buffer.compare(drawn.data, committed.data)).toBe(0);
-  // No leaf is cut off: the edges of the eight tiles are empty but for the foot of the stem.
-  const side = committed.height / 2;
+  const described = describeSprays(species);
+  if (described) expect(described).toBe(readFileSync(path(`${species.wood}.sprays.json`), "utf8"));
+  // No leaf is cut off: the edges of the tiles are empty but for the foot of the stem or petiole.
+  const side = committed.height / SHEET_ROWS;
   for (let y = 0; y < committed.height; y++) {
     for (let x = 0; x < committed.width; x++) {
       const [left, up] = [x % side, side - 1 - (y % side)];

@@ -1,7 +1,7 @@
 /** Grows all forms of the species into assets/species/: `npm run grow`, or some: `npm run grow poplar maple`. */
 import { mkdirSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
-import { drawShoots, drawSprays, growSpecies } from "./grow";
+import { describeSprays, drawShoots, drawSprays, growSpecies } from "./grow";
 import { SPECIES } from "./parameters";
 import type { Species } from "./species";
 
@@ -23,6 +23,8 @@ async function write(species: Species): Promise<void> {
 /** Pictures of both forms of a species that only browsers draw. */
 function drawForBrowsers(species: Species): void {
   writeFileSync(`${SPECIES_FOLDER}/${species.wood}.sprays.png`, drawSprays(species));
+  const sprays = describeSprays(species);
+  if (sprays) writeFileSync(`${SPECIES_FOLDER}/${species.wood}.sprays.json`, sprays);
   const shoots = drawShoots(species);
   if (shoots) writeFileSync(`${SPECIES_FOLDER}/${species.wood}.shoots.png`, shoots);
 }

@@ -2,7 +2,7 @@ import { type TreeMeshes, writeGlb } from "./glb";
 import { type SkeletonNode, skeletonJson } from "./growth/skeleton";
 import { growTree } from "./growth/tree";
 import { barkPictures } from "./pictures/bark-picture";
-import { fullerPicture, leafPicture, sprayPicture } from "./pictures/leaf-picture";
+import { drawnSprays, fullerPicture, leafPicture, sprayPicture } from "./pictures/leaf-picture";
 import { encodePng } from "./pictures/picture";
 import type { Species } from "./species";
 
@@ -18,6 +18,12 @@ const BARK_HEIGHT = 768;
 /** The picture of the sprays of a species, which browsers draw near the eye in place of its leaf cards, as PNG. */
 export function drawSprays({ leaf, habit }: Species): Uint8Array {
   return encodePng(sprayPicture(leaf, habit.seed), false);
+}
+
+/** What that picture shows, as JSON; null for needles. */
+export function describeSprays({ leaf, habit }: Species): string | null {
+  const drawn = drawnSprays(leaf, habit.seed);
+  return drawn && `${JSON.stringify(drawn)}\n`;
 }
 
 /** The picture of the shoots that browsers draw on the leaf cards, as PNG; null: they draw those of the mesh. */

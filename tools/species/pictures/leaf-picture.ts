@@ -1,6 +1,13 @@
-import { SHOOT_TILES_PER_SIDE, SPRAY_SHARE, SPRAY_TILES } from "../../../web/src/scene/treeModel/sprayTiles";
+import {
+  type DrawnSprays,
+  SHEET_ROWS,
+  SHOOT_TILES_PER_SIDE,
+  SPRAY_SHARE,
+  SPRAY_TILES,
+} from "../../../web/src/scene/treeModel/sprayTiles";
 import { type Random, seededRandom } from "../random";
 import type { LeafLook } from "./leaf-look";
+import { octaves, tilingNoise } from "./noise";
 import { insideLeaf, type LeafPoint } from "./outline";
 import { blank, bleed, type Colour, halve, type Picture } from "./picture";
 import { growShoots, growTip, type Leaf, placeLeaves, type Shoot } from "./shoots";
@@ -12,8 +19,8 @@ interface Sheet {
   columns: number;
   rows: number;
   tile_px: number;
-  /** What is in a tile. */
-  grow(look: LeafLook, palette: readonly Colour[], random: Random): LeafyShoots;
+  /** What is in the tile with this number. */
+  grow(look: LeafLook, palette: readonly Colour[], random: Random, tile: number): LeafyShoots;
 }
 
 interface LeafyShoots {
@@ -40,16 +47,32 @@ const FULLER_CARDS: Sheet = {
     return fitted(look, leafy(shoots, look, palette, random));
   },
 };
+const SPRAY_COUNT = SPRAY_TILES.columns * SPRAY_TILES.rows;
 const SPRAYS: Sheet = {
-  ...SPRAY_TILES,
+  columns: SPRAY_TILES.columns,
+  rows: SHEET_ROWS,
   tile_px: 384,
-  grow: (look, palette, random) => {
+  grow: (look, palette, random, tile) => {
+    if (tile >= SPRAY_COUNT) return singleLeaf(look, palette);
     const shoots = look.branchedSpray
       ? growShoots(random, look.sideShoots, look.leavesPerCard)
       : growTip(random);
     return fitted(look, leafy(shoots, look, palette, random));
   },
 };
+/** Sprays with more leaves are of needles, which are not drawn singly. */
+const MOST_SINGLE = 30;
+const SHOOT_POINTS = 4;
+/** Half the width of a petiole, in leaf lengths: drawn thicker than it is where a leaf has few pixels. */
+const PETIOLE_HALF = 0.022;
+const FINE_PETIOLE_HALF = 0.012;
+
+/** An upright leaf that fills its tile; nothing in place of a needle. */
+function singleLeaf(look: LeafLook, [colour]: readonly Colour[]): LeafyShoots {
+  if (look.leavesPerSpray > MOST_SINGLE) return { shoots: [], leaves: [] };
+  const leaf = { x: 0.5, y: 0, angle: 0, length: 1, squeeze: 1, colour, fine: true };
+  return fitted(look, { shoots: [], leaves: [leaf] });
+}
 
 /** Four different shoots in a 2 × 2 atlas of 1024 pixels. */
 export function leafPicture(look: LeafLook, seed: number): Picture {
@@ -61,10 +84,52 @@ export function fullerPicture(look: LeafLook, seed: number): Picture | null {
   return look.fuller ? drawSheet(FULLER_CARDS, { ...look, ...look.fuller }, seed) : null;
 }
 
-/** Eight different ends of shoots, with leaves of the size that they have on a card, in one atlas. */
+/** The look of the sprays: leaves have the size that they have on a card. */
+const sprayLook = (look: LeafLook): LeafLook => ({
+  ...look,
+  length: look.length / SPRAY_SHARE,
+  leavesPerCard: look.leavesPerSpray,
+});
+
+/** Eight different ends of shoots, and below them single leaves, in one atlas. */
 export function sprayPicture(look: LeafLook, seed: number): Picture {
-  const larger = { ...look, length: look.length / SPRAY_SHARE, leavesPerCard: look.leavesPerSpray };
-  return drawSheet(SPRAYS, larger, seed + 1);
+  return drawSheet(SPRAYS, sprayLook(look), seed + 1);
+}
+
+/** What `sprayPicture` shows; null for needles. */
+export function drawnSprays(ofCards: LeafLook, seed: number): DrawnSprays | null {
+  const look = sprayLook(ofCards);
+  const [single] = singleLeaf(look, look.palettes[0]).leaves;
+  if (!single) return null;
+  const rounded = (value: number) => Math.round(1e4 * value) / 1e4;
+  const tiles = Array.from({ length: SPRAY_COUNT }, (_, tile) => {
+    const { shoots, leaves } = grownTile(SPRAYS, look, seed + 1, tile);
+    const [{ points }] = shoots;
+    const shoot = Array.from({ length: SHOOT_POINTS }, (_, k) => {
+      const [x, y] = points[Math.round((k * (points.length - 1)) / (SHOOT_POINTS - 1))];
+      return [rounded(x), rounded(y)] as const;
+    });
+    return {
+      shoot,
+      leaves: leaves.map(
+        ({ x, y, angle, length, squeeze }) =>
+          [
+            rounded(x),
+            rounded(y),
+            rounded(angle),
+            rounded(length / single.length),
+            rounded(squeeze),
+          ] as const,
+      ),
+    };
+  });
+  const half = single.length * Math.max(...look.outline.map(([x]) => x));
+  return { half: rounded(half), petiole: rounded(single.length * look.petiole), tiles };
+}
+
+function grownTile(sheet: Sheet, look: LeafLook, seed: number, tile: number): LeafyShoots {
+  const palette = look.palettes[tile % look.palettes.length];
+  return sheet.grow(look, palette, seededRandom(seed + 7919 * tile), tile);
 }
 
 /** Drawn at double size. */
@@ -78,8 +143,7 @@ function drawSheet(sheet: Sheet, look: LeafLook, seed: number): Picture {
       Math.floor(tile / sheet.columns) * size,
       size,
     );
-    const palette = look.palettes[tile % look.palettes.length];
-    drawTile(frame, look, sheet.grow(look, palette, seededRandom(seed + 7919 * tile)));
+    drawTile(frame, look, grownTile(sheet, look, seed, tile));
   }
   return bleed(halve(large));
 }
@@ -196,7 +260,10 @@ function drawShadow(frame: Frame, look: LeafLook, leaf: Leaf): void {
 function drawPetiole(frame: Frame, look: LeafLook, leaf: Leaf): void {
   frame.each(...around(leaf.x, leaf.y, leaf.length * (look.petiole + 0.1)), (x, y, at) => {
     const [bx, by] = toBlade(look, leaf, x, y);
-    const onLine = Math.abs(bx * leaf.squeeze) < 0.022 && by < 0.05 && by > -look.petiole;
+    const onLine =
+      Math.abs(bx * leaf.squeeze) < (leaf.fine ? FINE_PETIOLE_HALF : PETIOLE_HALF) &&
+      by < 0.05 &&
+      by > -look.petiole;
     if (onLine) frame.put(at, look.stem);
   });
 }
@@ -217,14 +284,34 @@ function drawStem(frame: Frame, shoot: Shoot, stem: Colour): void {
 function bladeColour(look: LeafLook, leaf: Leaf, bx: number, by: number): Colour {
   const fold = bx * Math.cos(leaf.angle) > 0 ? 1.06 : 0.93;
   const bloom = 0.9 + 0.16 * Math.min(1, Math.max(0, by)) + 0.1 * Math.abs(bx);
-  const vein = veinStrength(look, Math.abs(bx), by);
-  const mix = (c: number): number => leaf.colour[c] * fold * bloom * (1 - vein) + look.vein[c] * vein;
+  const [net, mottle] = leaf.fine ? fineBlade(bx, by) : [0, 1];
+  const vein = Math.max(net, veinStrength(look, Math.abs(bx), by, leaf.fine ? FINE_VEIN_SHARE : 1));
+  const base = fold * bloom * mottle * (1 - vein);
+  const mix = (c: number): number => leaf.colour[c] * base + look.vein[c] * vein;
   return [mix(0), mix(1), mix(2)];
 }
 
-function veinStrength(look: LeafLook, x: number, y: number): number {
-  const midrib = x < 0.018 * (1.1 - y) ? 0.55 : 0;
-  const side = look.veins.some(([a, b]) => distance(x, y, a, b) < 0.009) ? 0.3 : 0;
+const bladeNoise = tilingNoise(23);
+/** Meshes of the finest veins along a leaf, how wide these are in terms of the noise, and how strong. */
+const NET_MESHES = 22;
+const NET_WIDTH = 0.05;
+const NET_STRENGTH = 0.13;
+/** Width of the other veins relative to those of leaves with few pixels. */
+const FINE_VEIN_SHARE = 0.6;
+const MOTTLES = 5;
+const MOTTLE_SHARE = 0.2;
+
+/** Strength of the finest veins, and lightness, at a point of a blade. */
+function fineBlade(bx: number, by: number): [net: number, mottle: number] {
+  const away = Math.abs(bladeNoise(bx, by, NET_MESHES, NET_MESHES) - 0.5);
+  const mottle = 1 + MOTTLE_SHARE * (octaves(bladeNoise, bx, by, MOTTLES, MOTTLES, 3) - 0.5);
+  return [NET_STRENGTH * Math.max(0, 1 - away / NET_WIDTH), mottle];
+}
+
+/** `width`: of the veins, relative to those of leaves with few pixels. */
+function veinStrength(look: LeafLook, x: number, y: number, width: number): number {
+  const midrib = x < width * 0.018 * (1.1 - y) ? 0.55 : 0;
+  const side = look.veins.some(([a, b]) => distance(x, y, a, b) < width * 0.009) ? 0.3 : 0;
   return Math.max(midrib, side);
 }
 

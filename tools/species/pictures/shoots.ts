@@ -11,6 +11,8 @@ export interface Leaf {
   length: number;
   squeeze: number;
   colour: Colour;
+  /** Drawn with many pixels: its petiole as thin as it is, with the finest veins. */
+  fine?: boolean;
 }
 
 export interface Shoot {

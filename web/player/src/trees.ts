@@ -4,6 +4,13 @@
  */
 export { LEVEL_SHARES } from "./core/constants";
 export { groundUnder, type Ray } from "./core/math/groundRay";
+export {
+  CLOSE_FLOATS,
+  type CloseLeaves,
+  fillClose,
+  type HeldSprays,
+  type SprayRoom,
+} from "./trees/closeLeaves";
 export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling/culling";
 export { nearRank, rankedIndex } from "./trees/detail";
 export type { DrawList, View } from "./trees/drawList";
@@ -21,6 +28,7 @@ export { LEAN_SHADER } from "./trees/lean";
 export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
 export { openMesh } from "./trees/mesh/openMesh";
+export { type SingleLeaves, SPRAY_FLOATS, type SprayShape } from "./trees/mesh/singleLeaves";
 export {
   type AddedPart,
   disposeModel,

@@ -44,6 +44,8 @@ const SHADOW_PERIOD: Record<Quality, number> = { low: 3, medium: 1, high: 1 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [22, 58], high: [48, 112] };
 /** Distance (m) below which leaf cards give way to sprays; the lowest quality has none. */
 const SPRAYS_M: Record<Quality, number> = { low: 0, medium: 15, high: 24 };
+/** Distance (m) up to which leaves are drawn one by one. */
+const SINGLES_M: Record<Quality, number> = { low: 0, medium: 4, high: 4 };
 /** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
 const BARE_DETAIL: Record<Quality, number> = { low: 4, medium: 1, high: 0.95 };
 /** How near the visitor may come to what the camera looks at. */
@@ -255,6 +257,7 @@ export class Stage {
       sun: this.daylight.towardsSun,
       levelFrom_m: this.levelFrom_m(),
       near_m: SPRAYS_M[this.quality],
+      close_m: SINGLES_M[this.quality],
       shadow_m: this.daylight.shadowReach_m,
     };
   }

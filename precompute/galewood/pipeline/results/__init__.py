@@ -1,6 +1,7 @@
 """The result of a build, and the forms in which it is distributed with the software."""
 
 from galewood.pipeline.results.light import (
+    DRAWN_SPRAYS_NAME,
     LIGHT_FOLDER,
     PICTURES_FOLDER,
     SHOOTS_NAME,
@@ -26,6 +27,7 @@ from galewood.pipeline.results.shipped import (
 
 __all__ = [
     "BUILTIN_OPTIONS",
+    "DRAWN_SPRAYS_NAME",
     "LIGHT_FOLDER",
     "PICTURES_FOLDER",
     "PICTURE_SUFFIX",

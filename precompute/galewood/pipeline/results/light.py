@@ -4,7 +4,7 @@ A light mesh has the vertices of its render mesh in the same order, so the same 
 texture coordinates are rounded, normals are octahedral, and all are compressed with meshopt. Both forms of a
 species share pictures, which are WebP files beside the mesh. The extras of the material ``leaves`` name a
 further one as ``sprays``: eight sprays of the species, which a browser may draw near the eye in place of leaf
-cards. The cards of some species show fuller shoots than those of the render mesh, which have the area of the
+cards, and below them single leaves; ``drawn_sprays`` says where in each spray which leaf is. The cards of some species show fuller shoots than those of the render mesh, which have the area of the
 tree's leaves. The folder ``light`` holds
 
 - ``name.glb`` for each tree, which refers to ``pictures/…`` relative to itself;
@@ -31,6 +31,7 @@ LIGHT_FOLDER, PICTURES_FOLDER, INDEX_FILE = "light", "pictures", "index.json"
 PICTURE_NAMES = {("wood", "baseColorTexture"): "bark", ("wood", "normalTexture"): "bark-normal"}
 """Material and slot -> name of a picture; others are named by their material."""
 LEAVES_NAME, SPRAYS_NAME, SHOOTS_NAME = "leaves", "sprays", "shoots"
+DRAWN_SPRAYS_NAME = "drawn_sprays"
 COLOUR_QUALITY, NORMAL_QUALITY = 82, 90
 
 
@@ -38,8 +39,9 @@ class SharedPictures(Protocol):
     """Where the pictures of a light mesh are."""
 
     @property
-    def sprays_uri(self) -> str | None:
-        """The address of the picture of the sprays, relative to a light mesh; None: there is none."""
+    def leaf_extras(self) -> Json:
+        """The extras of the material of the leaves: the address of the picture of the sprays, relative to a
+        light mesh, and what it shows; empty: there is none."""
         ...
 
     def uri(self, material: str, slot: str, content: bytes) -> str:
@@ -53,17 +55,18 @@ class PicturesOfLight:
     def __init__(self, glb: bytes) -> None:
         document, _ = glb_parts(glb)
         self._uris: dict[tuple[str, str], str] = {}
-        self._sprays: str | None = None
+        self._extras: Json = {}
         for material in document["materials"]:
-            self._sprays = material.get("extras", {}).get(SPRAYS_NAME, self._sprays)
+            if material["name"] == LEAVES_NAME:
+                self._extras = material.get("extras", {})
             for slot, index in _texture_slots(material):
                 image = document["textures"][index]["extensions"][WEBP_EXTENSION]["source"]
                 self._uris[material["name"], slot] = document["images"][image]["uri"]
 
     @property
-    def sprays_uri(self) -> str | None:
-        """The address of the picture of the sprays."""
-        return self._sprays
+    def leaf_extras(self) -> Json:
+        """Those of the light mesh."""
+        return self._extras
 
     def uri(self, material: str, slot: str, content: bytes) -> str:
         """The address of a picture. KeyError if the light mesh has none for this material and slot."""
@@ -80,6 +83,8 @@ class Pictures:
     _names: dict[str, str] = field(default_factory=dict[str, str])
     sprays: bytes | None = None
     """The picture of the sprays, as PNG."""
+    drawn_sprays: Json | None = None
+    """What it shows; None: needles."""
     shoots: bytes | None = None
     """The picture that browsers draw on the leaf cards, as PNG; None: that of the render mesh."""
 
@@ -87,6 +92,12 @@ class Pictures:
     def sprays_uri(self) -> str | None:
         """The address of the picture of the sprays, which is packed when it is first asked for."""
         return None if self.sprays is None else self.uri(SPRAYS_NAME, "baseColorTexture", self.sprays)
+
+    @property
+    def leaf_extras(self) -> Json:
+        """The picture of the sprays and what it shows."""
+        extras = {SPRAYS_NAME: self.sprays_uri, DRAWN_SPRAYS_NAME: self.drawn_sprays}
+        return {name: value for name, value in extras.items() if value is not None}
 
     def uri(self, material: str, slot: str, content: bytes) -> str:
         """The address of a picture, relative to a light mesh."""
@@ -111,10 +122,9 @@ def light_glb(render_glb: bytes, pictures: SharedPictures) -> bytes:
                 buffers.attribute(name, accessor)
             buffers.indices(primitive["indices"])
     images = _images(document, body, pictures)
-    if pictures.sprays_uri is not None:
-        for material in document["materials"]:
-            if material["name"] == LEAVES_NAME:
-                material["extras"] = {SPRAYS_NAME: pictures.sprays_uri}
+    for material in document["materials"]:
+        if material["name"] == LEAVES_NAME and pictures.leaf_extras:
+            material["extras"] = pictures.leaf_extras
     extensions = [*buffers.EXTENSIONS, *([WEBP_EXTENSION] if images else [])]
     return packed_glb(
         document
@@ -131,14 +141,21 @@ def write_light(
     """Write the light meshes of all trees to ``folder``, in place of those that it has; did a file change?
 
     ``trees``: name, species and render mesh of each. The first form of a species has the pictures of both.
-    ``drawn``: the pictures that only browsers draw, as PNG, by species and SPRAYS_NAME or SHOOTS_NAME.
+    ``drawn``: what only browsers draw, by species and name: the pictures SPRAYS_NAME and SHOOTS_NAME as PNG,
+    DRAWN_SPRAYS_NAME as JSON.
     """
     pictures: dict[str, Pictures] = {}
     meshes: dict[str, bytes] = {}
     index: dict[str, str] = {}
     for name, species, render_glb in trees:
         sprays, shoots = (drawn.get((species, kind)) for kind in (SPRAYS_NAME, SHOOTS_NAME))
-        own = pictures.setdefault(species, Pictures(species, sprays=sprays, shoots=shoots))
+        shown = drawn.get((species, DRAWN_SPRAYS_NAME))
+        own = pictures.setdefault(
+            species,
+            Pictures(
+                species, sprays=sprays, drawn_sprays=None if shown is None else json.loads(shown), shoots=shoots
+            ),
+        )
         meshes[f"{name}.glb"] = light_glb(render_glb, own)
         index[hashlib.sha256(render_glb).hexdigest()] = f"{name}.glb"
         if own.sprays is not None and own.sprays_uri is not None:

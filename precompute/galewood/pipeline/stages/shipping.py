@@ -10,6 +10,7 @@ from typing import Any
 
 from galewood.pipeline.results import (
     BUILTIN_OPTIONS,
+    DRAWN_SPRAYS_NAME,
     LIGHT_FOLDER,
     PICTURE_SUFFIX,
     SHIPPED_FOLDER,
@@ -104,8 +105,8 @@ def ship_light(folder: Path) -> bool:
     meshes = builtin_meshes(folder)
     render_glbs = [(folder / SHIPPED_FOLDER / f"{mesh.name}.glb").read_bytes() for mesh in meshes]
     species = [str(mesh.options["species"]) for mesh in meshes]
-    kinds = [(one, kind) for one in species for kind in (SPRAYS_NAME, SHOOTS_NAME)]
-    files = {kind: folder / f"{kind[0]}.{kind[1]}.png" for kind in kinds}
+    endings = {SPRAYS_NAME: "sprays.png", DRAWN_SPRAYS_NAME: "sprays.json", SHOOTS_NAME: "shoots.png"}
+    files = {(one, name): folder / f"{one}.{end}" for one in species for name, end in endings.items()}
     drawn = {kind: path.read_bytes() for kind, path in files.items() if path.is_file()}
     trees = zip([mesh.name for mesh in meshes], species, render_glbs, strict=True)
     return write_light(folder / LIGHT_FOLDER, trees, drawn)

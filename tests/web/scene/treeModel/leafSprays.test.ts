@@ -4,6 +4,7 @@ import { seededRandom } from "../../../../tools/species/random";
 import { leafSize, MOST_SHARE, nearRank, pieceSize, sharesOf } from "../../../../web/player/src/trees/detail";
 import { leafSprays, SPRAY_VERTICES, SPRAYS_PER_CARD } from "../../../../web/src/scene/treeModel/leafSprays";
 import { type Point, cross, dot, minus, plus, unit } from "../../../../web/src/scene/treeModel/points";
+import { SHEET_ROWS, SPRAY_TILES } from "../../../../web/src/scene/treeModel/sprayTiles";
 
 const CARD_COUNT = 60;
 const SEED = 83;
@@ -83,8 +84,8 @@ describe("sprays in place of leaf cards", () => {
   test("show each a whole tile of the picture, mirrored or not", () => {
     const tiles = new Set<string>();
     for (let first = 0; first < mesh.card.length; first += SPRAY_VERTICES) {
-      const us = Array.from({ length: SPRAY_VERTICES }, (_, k) => 4 * mesh.uvs[2 * (first + k)]);
-      const vs = Array.from({ length: SPRAY_VERTICES }, (_, k) => 2 * mesh.uvs[2 * (first + k) + 1]);
+      const us = Array.from({ length: SPRAY_VERTICES }, (_, k) => SPRAY_TILES.columns * mesh.uvs[2 * (first + k)]);
+      const vs = Array.from({ length: SPRAY_VERTICES }, (_, k) => SHEET_ROWS * mesh.uvs[2 * (first + k) + 1]);
       expect(Math.max(...us) - Math.min(...us)).toBeCloseTo(1, 5);
       expect(Math.max(...vs) - Math.min(...vs)).toBeCloseTo(1, 5);
       expect(Math.max(...vs)).toBe(vs[0]); // the foot of the picture is at its lower edge

@@ -15,6 +15,8 @@ export interface View {
   readonly levelFrom_m: readonly [number, number];
   /** Distance (m) below which a tree of scale 1 shows its near parts, if it has any; never without it. */
   readonly near_m?: number;
+  /** Distance (m) from the eye up to which leaves are drawn one by one; none without it. */
+  readonly close_m?: number;
   /** Shadows are drawn up to this distance. */
   readonly shadow_m: number;
   /** Whether all trees up to it cast them, because light comes from elsewhere than the sun. */

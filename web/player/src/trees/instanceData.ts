@@ -9,17 +9,16 @@ const ROOM_STEP = 256;
 /** Room for `count` trees and some more, so that buffers seldom grow while the camera moves. */
 export const roomFor = (count: number): number => Math.ceil((1.2 * count) / ROOM_STEP) * ROOM_STEP;
 
-/** Copies a tree to another place, with its first texel in the target of pass 1 and the share of its pieces that is drawn. */
+/** Copies a tree to the float `to` of another array, with its first texel in the target of pass 1 and the share of its pieces that is drawn. */
 export function copyTree(
   from: Float32Array,
   tree: number,
   into: Float32Array,
-  at: number,
+  to: number,
   texel: number,
   share: number,
 ): void {
   const first = tree * INSTANCE_FLOATS;
-  const to = at * INSTANCE_FLOATS;
   for (let k = 0; k < INSTANCE_FLOATS; k++) into[to + k] = from[first + k];
   into[to + 3] = texel;
   into[to + 7] = share;

@@ -184,7 +184,8 @@ class LevelMeshes {
     for (let i = 0; i < count; i++) {
       const place = placeOf(i);
       const tree = list.order[place];
-      copyTree(data, tree, array, i, first + (place - start) * nodes, Math.min(mostShare, shares[tree]));
+      const texel = first + (place - start) * nodes;
+      copyTree(data, tree, array, i * INSTANCE_FLOATS, texel, Math.min(mostShare, shares[tree]));
     }
     buffer.clearUpdateRanges();
     buffer.addUpdateRange(0, count * INSTANCE_FLOATS);

@@ -2,6 +2,7 @@
 import { Group } from "three";
 import type { Easing } from "../core/motion/easedPoses";
 import type { DrawnMotion } from "../core/table/drawnTable";
+import type { CloseLeaves } from "./closeLeaves";
 import { type Bounds, orientedBounds } from "./culling/culling";
 import { DrawList, type View } from "./drawList";
 import {
@@ -35,6 +36,8 @@ export interface SpeciesOptions {
   readonly fine: boolean;
   /** Draws all levels of detail of a part with one call, if the renderer can; otherwise each is drawn apart. */
   together?(): Together;
+  /** What draws leaves one by one close to the eye; without it they are cards and near parts. */
+  closeLeaves?(model: TreeModel, motion: DrawnMotion, uniforms: SpeciesUniforms, group: Group): CloseLeaves;
   /** What shows pulled branches, by the vertex whose motion each vertex takes; without it they are not shown. */
   pullsOf?(holds: Uint32Array): PullSlots;
   /** Shared clock and amplitude of the flutter of leaves. */
@@ -74,6 +77,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
   private jointRadius_m: Float32Array | null = null;
   /** Impostors of distant trees, if the scene has any. */
   cards: FarCards | null = null;
+  private readonly close: CloseLeaves | null;
 
   /** Without `motion` the trees stand still. */
   constructor(
@@ -96,6 +100,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
       uLean: { value: model.leans ? 1 : 0 },
       uFlutter: options.flutter,
       uExaggeration: options.exaggeration,
+      uClose: { value: { x: 0, y: 0, z: 0, w: 0 } },
       together: together?.uniforms,
     };
     const planned = this.planParts();
@@ -107,6 +112,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     this.meshes =
       together?.meshes(drawn, motion, shadows, this.group) ??
       new ApartMeshes(drawn, motion, shadows, this.group, graphics.adapt);
+    this.close = (motion && options.closeLeaves?.(model, motion, this.uniforms, this.group)) ?? null;
     this.list = new DrawList(instances);
   }
 
@@ -202,7 +208,9 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     const texels = this.nodes?.place(this.list) ?? null;
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
     this.meshes.fill(this.list, this.instances.data, texels);
-    if (texels) this.selectCards(texels);
+    if (!texels) return;
+    this.selectCards(texels);
+    this.close?.show(this.list, this.instances.data, texels, view);
   }
 
   private selectCards(texels: readonly LevelTexels[]): void {
@@ -213,7 +221,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
 
   /** Triangles of the last selection in the colour pass. */
   get triangles(): number {
-    return this.meshes.visibleTriangles;
+    return this.meshes.visibleTriangles + (this.close?.triangles ?? 0);
   }
 
   /** `easing`: of poses that are reached over several frames. */
@@ -247,6 +255,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     this.group.removeFromParent();
     this.nodes?.dispose();
     this.cards?.dispose();
+    this.close?.dispose();
     this.pulls?.dispose();
     this.meshes.dispose();
     for (const { moving, still } of this.parts) {

@@ -33,6 +33,8 @@ export interface TreeUniforms extends Partial<PullUniforms> {
   uLean: { value: number };
   /** Factor of the displacements; those in the target of pass 1 already have it. */
   uExaggeration: { value: number };
+  /** The eye, and the distance (m) from it up to which leaves are drawn one by one (closeLeaves.ts); 0: none are. */
+  uClose: { value: { x: number; y: number; z: number; w: number } };
 }
 
 /** Uniforms of a species, from which materials are made. */
@@ -51,11 +53,16 @@ attribute vec4 aJoint; // the two nodes between which the vertex is held, share 
 #endif
 `;
 
-const VERTEX_PARS = /* glsl */ `
+const PIECE_ATTRIBUTES = /* glsl */ `
 attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; key of its limb, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
 attribute vec3 aPivot; // where it is held
+#endif
+`;
+
+const VERTEX_PARS = /* glsl */ `
+#ifndef STILL
 uniform highp usampler2D uNodes;
 uniform int uNodeShift;
 uniform float uExaggeration;
@@ -137,6 +144,9 @@ float grown = pieceSize(aPiece.w);
   if (aPiece.w < 1.0) grown *= 1.0 - pieceSize(${NEAR_RANK} + ${(MOST_SHARE - NEAR_RANK).toFixed(2)} * aPiece.w); // see detail.ts
   float leafGrowth = min(${MOST_LEAF_GROWTH.toFixed(1)}, inversesqrt(min(aTurn.w, 1.0)));
   grown *= leafGrowth;
+  #ifdef LEAF_SHARE
+    grown *= leafShare();
+  #endif
 #endif
 grown *= hasVariant(aAnchor.w, aPlace.xz);
 vec3 local = mix(aAnchor.xyz, position, grown);
@@ -178,26 +188,32 @@ export interface Variant {
   readonly key: string;
   /** GLSL of `pulledBy()`, the displacement of a vertex by pulls; without it there are none. */
   readonly pulls?: string;
+  /** GLSL of `leafShare()`, by which a leaf is smaller than its rank says; `key` tells. */
+  readonly leafShare?: string;
   /** GLSL in place of the attributes of a tree, for a call that draws all levels of detail (together/togetherShader.ts); `key` tells. */
   readonly together?: string;
+  /** GLSL in place of all attributes, those of a piece as well, with `takeTree()`; `key` tells. */
+  readonly attributes?: string;
 }
 
 function patchVertex(
   shader: WebGLProgramParametersWithUniforms,
-  { part, moves, standing, pulls, together }: Variant,
+  { part, moves, standing, pulls, leafShare, together, attributes }: Variant,
 ): void {
   const defined = [part === "leaves" && "LEAVES", !moves && "STILL"].filter((name) => name !== false);
   const pulled = pulls && moves ? `#define PULLED\n${pulls}` : "";
+  const share = leafShare ? `#define LEAF_SHARE\n${leafShare}` : "";
   const defines = defined.map((name) => `#define ${name}\n`).join("");
+  const given = attributes ?? (together ?? TREE_ATTRIBUTES) + PIECE_ATTRIBUTES;
   shader.vertexShader = shader.vertexShader
     .replace(
       "#include <common>",
-      `#include <common>\n${defines}${together ?? TREE_ATTRIBUTES}${VERTEX_PARS}${STANDING_GLSL[standing]}${pulled}`,
+      `#include <common>\n${defines}${given}${VERTEX_PARS}${STANDING_GLSL[standing]}${share}${pulled}`,
     )
     .replace("#include <beginnormal_vertex>", NORMAL_GLSL)
     .replace("#include <begin_vertex>", POSITION_GLSL);
   // First of all, because not every material has normals.
-  const first = (together ? "takeTree();" : "") + (moves ? "takeJoint();" : "");
+  const first = (together || attributes ? "takeTree();" : "") + (moves ? "takeJoint();" : "");
   shader.vertexShader = shader.vertexShader.replace("void main() {", `void main() {${first}`);
 }
 

@@ -13,7 +13,8 @@ import { seasonal } from "../../scene/season/seasonal";
 import { aerialPerspective } from "../../scene/sky/air";
 import { cascadeReach_m } from "../../scene/sky/daylight";
 import type { Stage } from "../../scene/stage";
-import { materialsOf } from "../../scene/treeSurface/treeMaterial";
+import { SingleLeafMeshes } from "../../scene/treeSurface/closeLeaves";
+import { type MaterialOptions, materialsOf } from "../../scene/treeSurface/treeMaterial";
 
 /** `flutter`: clock and amplitude of the flutter of leaves. */
 export function speciesOptions(
@@ -22,15 +23,18 @@ export function speciesOptions(
   flutter: SpeciesOptions["flutter"],
 ): SpeciesOptions {
   const { capabilities } = renderer;
+  const surfaces: MaterialOptions = {
+    anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+    smoothEdges: quality !== "low",
+    relief: quality !== "low",
+    gloss: quality === "high",
+    surface: seasonal,
+    atmosphere: aerialPerspective,
+  };
   return {
-    materials: materialsOf({
-      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
-      smoothEdges: quality !== "low",
-      relief: quality !== "low",
-      gloss: quality === "high",
-      surface: seasonal,
-      atmosphere: aerialPerspective,
-    }),
+    materials: materialsOf(surfaces),
+    closeLeaves: (model, motion, uniforms, group) =>
+      new SingleLeafMeshes(model, motion, uniforms, surfaces, group),
     graphics: GLSL_GRAPHICS,
     maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
     // If gloss is affordable, so are the shadows of all leaves.

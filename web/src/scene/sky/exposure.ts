@@ -23,8 +23,11 @@ export const NEAR_M = 45;
 const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
-/** Largest gain, below dense crowns. */
-export const MOST_GAIN = 1.75;
+/** Light of leaves around an eye inside a crown, which shade each other; beside it, leaves nearer than this (m) fill the view like them. */
+const INSIDE_LIGHT_RATIO = 0.065;
+const CLOSE_LEAVES_M = 3;
+/** Largest gain, inside dense crowns. */
+export const MOST_GAIN = 2.4;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
 const ADAPTATION_SHARE = 0.5;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
@@ -94,7 +97,9 @@ function lightAlong(eye: Vector, ray: Vector, scene: Surroundings): number {
   const place = along(eye, ray, Math.max(0, nearest_m - 0.2));
   const own = 0.5 + 0.5 * Math.max(-1, Math.min(1, -(ray.x * sun.x + ray.y * sun.y + ray.z * sun.z)));
   const lit = sunAt(place, sun, crowns, density) * (SHADE_LIGHT_RATIO + (1 - SHADE_LIGHT_RATIO) * own);
-  return 1 - density * (1 - Math.max(MIN_LIGHT_RATIO, lit));
+  const beside = Math.min(1, nearest_m / CLOSE_LEAVES_M);
+  const light = INSIDE_LIGHT_RATIO + beside * (Math.max(MIN_LIGHT_RATIO, lit) - INSIDE_LIGHT_RATIO);
+  return 1 - density * (1 - light);
 }
 
 export interface Surroundings {

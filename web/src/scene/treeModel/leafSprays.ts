@@ -6,7 +6,7 @@
 import { hashUnit } from "galewood/random";
 import { type CardMesh, type Shoot, shootOf } from "./bareShoots";
 import { between, cross, dot, minus, type Point, plus, pointAlong, unit } from "./points";
-import { SPRAY_SHARE, SPRAY_TILES } from "./sprayTiles";
+import { SHEET_ROWS, SPRAY_SHARE, SPRAY_TILES } from "./sprayTiles";
 
 export interface SprayMesh {
   readonly positions: Float32Array;
@@ -28,8 +28,8 @@ const TIP_RAD = 0.15;
 const OUT_RAD = 1;
 const ROLL_RAD = 0.8;
 /** A spray arches: its middle rises and its tip hangs, relative to its length. */
-const ARCH_SHARE = 0.07;
-const HANG_SHARE = 0.13;
+export const ARCH_SHARE = 0.07;
+export const HANG_SHARE = 0.13;
 /** Rows of vertices along a spray, two in each. */
 const ROW_COUNT = 3;
 export const SPRAY_VERTICES = 2 * ROW_COUNT;
@@ -37,11 +37,14 @@ const SPRAY_INDEX = 6 * (ROW_COUNT - 1);
 /** Triangles between two rows. */
 const SQUARE_CORNERS = [0, 1, 3, 0, 3, 2] as const;
 
-interface Spray {
+export interface Spray {
   readonly foot: Point;
   readonly axis: Point;
   readonly facing: Point;
   readonly length: number;
+  /** Its tile of the picture, and whether that is shown mirrored. */
+  readonly tile: number;
+  readonly mirrored: boolean;
 }
 
 /** The directions of a shoot, all perpendicular to each other. */
@@ -69,6 +72,8 @@ function sprayOf({ from, to, size, along, right, out }: ShootFrame, k: number, n
     axis,
     facing: between(facing, cross(axis, facing), 2 * ROLL_RAD * random(3)),
     length: SPRAY_SHARE * size * (1 + 0.3 * random(4)),
+    tile: Math.floor(hashUnit(number, 5) * SPRAY_TILES.columns * SPRAY_TILES.rows),
+    mirrored: hashUnit(number, 6) < 0.5,
   };
 }
 
@@ -79,11 +84,9 @@ function put(to: Float32Array, vertex: number, [x, y, z]: Point): void {
 }
 
 function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): void {
-  const { foot, axis, facing, length } = spray;
+  const { foot, axis, facing, length, tile, mirrored } = spray;
   const across = cross(axis, facing);
-  const { columns, rows } = SPRAY_TILES;
-  const tile = Math.floor(hashUnit(number, 5) * columns * rows);
-  const mirrored = hashUnit(number, 6) < 0.5;
+  const { columns } = SPRAY_TILES;
   const [column, row] = [tile % columns, Math.floor(tile / columns)];
   const base = number * SPRAY_VERTICES;
   for (let r = 0; r < ROW_COUNT; r++) {
@@ -97,13 +100,27 @@ function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): 
       put(mesh.normals, vertex, normal);
       put(mesh.bases, vertex, foot);
       mesh.uvs[2 * vertex] = (column + (mirrored ? 1 - u : u)) / columns;
-      mesh.uvs[2 * vertex + 1] = (row + 1 - v) / rows;
+      mesh.uvs[2 * vertex + 1] = (row + 1 - v) / SHEET_ROWS;
       mesh.card[vertex] = card;
     }
   }
   for (let k = 0; k < SPRAY_INDEX; k++) {
     mesh.index[number * SPRAY_INDEX + k] = base + 2 * Math.floor(k / 6) + SQUARE_CORNERS[k % 6];
   }
+}
+
+/** Calls `take` with each spray in place of leaf cards, its number, and the first vertex of its card. */
+export function forEachSpray(
+  cards: CardMesh,
+  take: (spray: Spray, number: number, first: number) => void,
+): void {
+  cards.first.forEach((first, card) => {
+    const frame = frameOf(shootOf(cards.positions, first, card));
+    for (let k = 0; k < SPRAYS_PER_CARD; k++) {
+      const number = card * SPRAYS_PER_CARD + k;
+      take(sprayOf(frame, k, number), number, first);
+    }
+  });
 }
 
 /** The sprays in place of leaf cards. */
@@ -118,12 +135,6 @@ export function leafSprays(cards: CardMesh): SprayMesh {
     card: new Uint32Array(vertices),
     bases: new Float32Array(3 * vertices),
   };
-  cards.first.forEach((first, card) => {
-    const frame = frameOf(shootOf(cards.positions, first, card));
-    for (let k = 0; k < SPRAYS_PER_CARD; k++) {
-      const number = card * SPRAYS_PER_CARD + k;
-      addSpray(mesh, sprayOf(frame, k, number), number, first);
-    }
-  });
+  forEachSpray(cards, (spray, number, first) => addSpray(mesh, spray, number, first));
   return mesh;
 }

@@ -1,11 +1,14 @@
 /** Opens the mesh of a tree with the picture of its sprays, if it names one. */
 import { openMesh } from "galewood/trees";
 import { ImageBitmapLoader, type Object3D, SRGBColorSpace, Texture } from "three";
+import { type DrawnSprays, SPRAY_TILES } from "./sprayTiles";
 
 export interface OpenedTree {
   readonly scene: Object3D;
-  /** Eight sprays in tiles, as `leafSprays` draws them; null: the tree has leaf cards only. */
+  /** Eight sprays in tiles, as `leafSprays` draws them, and single leaves; null: the tree has leaf cards only. */
   readonly sprays: Texture | null;
+  /** What that picture shows; null: sprays of needles, or none. */
+  readonly drawn: DrawnSprays | null;
 }
 
 /** The pictures of the built-in species by their address, which the forms of a species share until one is disposed of. */
@@ -25,23 +28,52 @@ async function load(url: string): Promise<Texture> {
 /** Where the JSON of a GLB begins, after the headers of the file and of its first chunk, and where its length is (glTF 2.0, 4.4). */
 const JSON_FROM_BYTE = 20;
 const JSON_LENGTH_BYTE = 12;
+/** Points of a shoot, numbers of a leaf, and most points or leaves of one spray. */
+const LEAST_SHOOT_POINTS = 2;
+const LEAF_NUMBERS = 5;
+const MOST_DRAWN = 64;
 
-/**
- * The address of the picture, which the material of the leaves has in its extras: read before the file is opened, so that all its
- * pictures load at once. null: it has none, or is no GLB.
- */
-function spraysIn(bytes: ArrayBuffer): string | null {
+/** The extras of the material of the leaves of a built-in tree (precompute/galewood/pipeline/results/light.py). */
+interface LeafExtras {
+  readonly sprays?: unknown;
+  readonly drawn_sprays?: unknown;
+}
+
+/** Read before the file is opened, so that all its pictures load at once. Empty: it has none, or is no GLB. */
+function leafExtras(bytes: ArrayBuffer): LeafExtras {
   try {
     const length = new DataView(bytes).getUint32(JSON_LENGTH_BYTE, true);
-    const { materials = [] }: { materials?: { extras?: { sprays?: unknown } }[] } = JSON.parse(
+    const { materials = [] }: { materials?: { extras?: LeafExtras }[] } = JSON.parse(
       new TextDecoder().decode(new Uint8Array(bytes, JSON_FROM_BYTE, length)),
     );
-    const found = materials.map(({ extras }) => extras?.sprays).find((sprays) => typeof sprays === "string");
-    return found ?? null;
+    return materials.map(({ extras }) => extras).find((extras) => typeof extras?.sprays === "string") ?? {};
   } catch {
-    return null; // openMesh says what is wrong
+    return {}; // openMesh says what is wrong
   }
 }
+
+/** What the extras say about the picture; null if that is nothing, or not what the generator writes: an upload may say anything. */
+function drawnIn({ drawn_sprays: drawn }: LeafExtras): DrawnSprays | null {
+  const numbers = (values: unknown, count: number) =>
+    Array.isArray(values) && values.length === count && values.every(Number.isFinite);
+  if (!isRecord(drawn) || !numbers([drawn.half, drawn.petiole], 2) || !Array.isArray(drawn.tiles))
+    return null;
+  const whole =
+    drawn.tiles.length === SPRAY_TILES.columns * SPRAY_TILES.rows &&
+    drawn.tiles.every(
+      (tile: unknown) =>
+        isRecord(tile) &&
+        isListOf(tile.shoot, LEAST_SHOOT_POINTS, (point) => numbers(point, 2)) &&
+        isListOf(tile.leaves, 0, (leaf) => numbers(leaf, LEAF_NUMBERS)),
+    );
+  return whole ? (drawn as unknown as DrawnSprays) : null;
+}
+
+const isRecord = (value: unknown): value is Record<string, unknown> =>
+  typeof value === "object" && value !== null;
+
+const isListOf = (values: unknown, least: number, is: (value: unknown) => boolean): boolean =>
+  Array.isArray(values) && values.length >= least && values.length <= MOST_DRAWN && values.every(is);
 
 /** The picture at this address; null if it cannot be loaded. */
 async function picture(url: string): Promise<Texture | null> {
@@ -55,7 +87,7 @@ async function picture(url: string): Promise<Texture | null> {
 
 /** `base`: as for `openMesh`. A picture that cannot be loaded leaves the tree as it is in the file. */
 export async function openTree(bytes: ArrayBuffer, base: string): Promise<OpenedTree> {
-  const address = spraysIn(bytes);
-  const sprays = address === null ? null : picture(new URL(address, base).href);
-  return { scene: await openMesh(bytes, base), sprays: await sprays };
+  const extras = leafExtras(bytes);
+  const sprays = typeof extras.sprays === "string" ? picture(new URL(extras.sprays, base).href) : null;
+  return { scene: await openMesh(bytes, base), sprays: await sprays, drawn: drawnIn(extras) };
 }

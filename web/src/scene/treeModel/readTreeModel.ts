@@ -9,6 +9,7 @@ import {
   type ReadPart,
   rankedIndex,
   readParts,
+  type SingleLeaves,
   type TreeModel,
   type TreePart,
 } from "galewood/trees";
@@ -19,7 +20,9 @@ import { leafSprays, SPRAY_VERTICES } from "./leafSprays";
 import { limbKeysOf, pieceKeys } from "./limbKeys";
 import type { OpenedTree } from "./openTree";
 import { dot, type Point, plus, unit } from "./points";
+import { placedSprays, sprayShapes } from "./singleLeaves";
 import { skyVisibility } from "./skyVisibility";
+import type { DrawnSprays } from "./sprayTiles";
 
 /** Gives every limb its key, so that trees can lack it. */
 function assignKeys(read: readonly ReadPart[]): void {
@@ -168,6 +171,30 @@ function nearPartsOf(read: readonly ReadPart[], material: MeshStandardMaterial):
   return [...stems, ...sprays];
 }
 
+/** The leaves one by one; null unless they are the cards of one part. */
+function singlesOf(
+  read: readonly ReadPart[],
+  material: MeshStandardMaterial,
+  drawn: DrawnSprays,
+): SingleLeaves | null {
+  const [leaves, another] = read.filter((one) => one.part.kind === "leaves");
+  if (!leaves || another) return null;
+  const { part } = leaves;
+  const point = (values: BufferAttribute, v: number): Point => [
+    values.getX(v),
+    values.getY(v),
+    values.getZ(v),
+  ];
+  const { card, ...placed } = placedSprays(cardMesh(leaves), {
+    crown: (v) => point(part.normal, v),
+    colour: (v) => (part.colour ? point(part.colour, v) : [1, 1, 1]),
+    openness: (v) => part.piece.getY(v),
+    limb: (v) => part.anchor.getW(v),
+  });
+  const before = read.slice(0, read.indexOf(leaves)).reduce((sum, one) => sum + one.part.vertices, 0);
+  return { ...placed, material, shapes: sprayShapes(drawn), hold: card.map((v) => before + v) };
+}
+
 /** The material of the leaves with another picture; null for a tree without leaves. */
 function spraysMaterial(parts: readonly TreePart[], picture: Texture): MeshStandardMaterial | null {
   const material = parts.find(({ kind }) => kind === "leaves")?.material.clone() ?? null;
@@ -213,7 +240,10 @@ export interface TreeKind {
 }
 
 /** Reads an opened tree; throws if it contains no mesh. */
-export function readTreeModel({ scene, sprays }: OpenedTree, { varied, evergreen }: TreeKind): TreeModel {
+export function readTreeModel(
+  { scene, sprays, drawn }: OpenedTree,
+  { varied, evergreen }: TreeKind,
+): TreeModel {
   const { read, height_m, radius_m } = readParts(scene);
   if (varied) assignKeys(read);
   assignOpenness(read);
@@ -222,6 +252,7 @@ export function readTreeModel({ scene, sprays }: OpenedTree, { varied, evergreen
   const ofSprays = sprays && spraysMaterial(parts, sprays);
   let bareParts: AddedPart[] | null = null;
   let nearParts: AddedPart[] | null = null;
+  let singles: SingleLeaves | null | undefined;
   return {
     parts,
     materials: [...parts.map(({ material }) => material), ...(ofSprays ? [ofSprays] : [])],
@@ -233,6 +264,10 @@ export function readTreeModel({ scene, sprays }: OpenedTree, { varied, evergreen
     get near() {
       nearParts ??= ofSprays ? nearPartsOf(read, ofSprays) : [];
       return nearParts;
+    },
+    get singles() {
+      if (singles === undefined) singles = ofSprays && drawn ? singlesOf(read, ofSprays, drawn) : null;
+      return singles;
     },
     leans: varied,
     evergreen,

@@ -2,7 +2,7 @@
 
 import { type Part, UNMAPPED_BELOW } from "galewood/trees";
 import type { Color, WebGLProgramParametersWithUniforms } from "three";
-import { SHOOT_TILES_PER_SIDE } from "../treeModel/sprayTiles";
+import { SHEET_ROWS, SHOOT_TILES_PER_SIDE } from "../treeModel/sprayTiles";
 import { ONE_SHADOW_SAMPLE } from "./leafShadow";
 
 /** Surface uniforms shared by all trees. */
@@ -38,25 +38,36 @@ uniform vec3 uSkyColour;
 uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
+#ifdef SINGLE_LEAVES
+varying vec3 vBlade; // normal of a blade, without that of the crown
+#endif
+`;
+
+/** Vertex shader of single leaves (closeLeaves.ts): the normal of the blade in the frame of the view. */
+const BLADE_NORMAL = /* glsl */ `
+#include <defaultnormal_vertex>
+#ifdef SINGLE_LEAVES
+vBlade = normalMatrix * stoodNormal(turnedBy(heldTurn, bladeOwn));
+#endif
 `;
 
 /**
  * The leaves of a spray move against each other: a field of displacements that differs from leaf to leaf bends its picture. It
- * vanishes at the edges of the picture's square tiles, which lie in two rows and hold different sprays. Largest displacement
- * relative to the height of the picture at a wind, m/s; in stronger wind it grows further, up to a factor.
+ * vanishes at the edges of the picture's square tiles, which lie in rows and hold different sprays. Largest displacement
+ * relative to a tile at a wind, m/s; in stronger wind it grows further, up to a factor.
  */
-const SPRAY_SHIFT = 0.011;
+const SPRAY_SHIFT_TILES = 0.022;
 const SPRAY_FULL_M_S = 9;
 const SPRAY_MOST = 1.7;
 
 const SPRAY_MOTION = /* glsl */ `
 vec2 sprayShift(vec2 at, vec4 piece, ivec2 size) {
-  vec2 q = fract(2.0 * at * vec2(size) / float(size.y));
+  vec2 q = fract(${SHEET_ROWS.toFixed(1)} * at * vec2(size) / float(size.y));
   q *= 1.0 - q;
   float own = 6.2832 * fract(31.7 * piece.x);
   vec2 hz = vec2(2.3, 3.1) + 3.0 * fract(vec2(7.3, 11.9) * piece.x);
   vec2 turn = 6.2832 * (hz * uFlutter.x + vec2(9.0 * at.x + 5.0 * at.y, 8.0 * at.y - 6.0 * at.x)) + vec2(own, 1.7 * own);
-  return ${SPRAY_SHIFT} * min(${SPRAY_MOST.toFixed(1)}, piece.w / ${SPRAY_FULL_M_S.toFixed(1)}) * 16.0 * q.x * q.y * sin(turn);
+  return ${(SPRAY_SHIFT_TILES / SHEET_ROWS).toFixed(4)} * min(${SPRAY_MOST.toFixed(1)}, piece.w / ${SPRAY_FULL_M_S.toFixed(1)}) * 16.0 * q.x * q.y * sin(turn);
 }
 `;
 
@@ -126,9 +137,11 @@ const LEAF_MAP = /* glsl */ `
   #endif
   float area = abs(right.x * down.y - right.y * down.x) + 1e-4;
   float wide = 0.5 * (dot(right, right) + dot(down, down));
-  leaf.a = leafCover(leaf.a, copies * vMapUv * texels, wide, vPiece.x);
-  // A card seen edge-on is a smear of all its leaves, so fade it: 1 from the front, twice the cosine at the edge.
-  leaf.a *= smoothstep(0.1, 0.5, area / wide);
+  #ifndef SINGLE_LEAVES
+    leaf.a = leafCover(leaf.a, copies * vMapUv * texels, wide, vPiece.x);
+    // A card seen edge-on is a smear of all its leaves, so fade it: 1 from the front, twice the cosine at the edge.
+    leaf.a *= smoothstep(0.1, 0.5, area / wide);
+  #endif
   diffuseColor *= leaf;
 #endif
 float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
@@ -136,7 +149,12 @@ float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
   // Each leaf of the picture keeps its deviation from the mean colour of all leaves, which is the coarsest mip level.
   vec3 mean = max(textureLod(map, vMapUv, 10.0).rgb, 0.01);
   // Green leaves differ in lightness more than in hue, coloured ones in both.
-  float hues = mix(0.3, 0.9, smoothstep(0.0, 0.3, vTint.r - 0.6 * vTint.g));
+  #ifdef SINGLE_LEAVES
+    const float MOST_HUES = 0.5; // petioles, which are seen here, would be red lines
+  #else
+    const float MOST_HUES = 0.9;
+  #endif
+  float hues = mix(0.3, MOST_HUES, smoothstep(0.0, 0.3, vTint.r - 0.6 * vTint.g));
   float picture = dot(leaf.rgb, vec3(0.2126, 0.7152, 0.0722));
   vec3 own = clamp(mix(vec3(shade / dot(mean, vec3(0.2126, 0.7152, 0.0722))), leaf.rgb / mean, hues), 0.45, 1.8);
 #else
@@ -281,7 +299,12 @@ vec3 nonPerturbedNormal = normal;
   // Near the eye: the plane of the card, with ribs and edges of the leaves from the gradient of the picture's lightness.
   vec3 along = normalize(dFdx(vViewPosition));
   vec3 across = normalize(dFdy(vViewPosition));
-  vec3 face = normalize(cross(along, across));
+  #ifdef SINGLE_LEAVES
+    vec3 face = normalize(vBlade);
+    face = faceforward(face, -vViewPosition, face);
+  #else
+    vec3 face = normalize(cross(along, across));
+  #endif
   float close = 1.0 - smoothstep(2.0, 60.0, area);
   vec3 relief = dFdx(shade) * cross(across, face) + dFdy(shade) * cross(face, along);
   vec3 blade = normalize(face - 2.2 * close * relief);
@@ -386,7 +409,9 @@ export function patchColour(
 ): void {
   const leaves = part === "leaves";
   const sprays =
-    leaves && moves ? `uniform vec2 uFlutter;\n#ifdef CUTICLE\n#define SPRAYS\n${SPRAY_MOTION}#endif\n` : "";
+    leaves && moves
+      ? `uniform vec2 uFlutter;\n#if defined(CUTICLE) && !defined(SINGLE_LEAVES)\n#define SPRAYS\n${SPRAY_MOTION}#endif\n`
+      : "";
   shader.fragmentShader = shader.fragmentShader
     .replace(
       "#include <common>",
@@ -399,6 +424,7 @@ export function patchColour(
     .replace("#include <fog_fragment>", "");
   shader.vertexShader = shader.vertexShader
     .replace("#include <common>", `#include <common>\n${atmosphere.declarations}`)
+    .replace("#include <defaultnormal_vertex>", leaves ? BLADE_NORMAL : "#include <defaultnormal_vertex>")
     .replace("#include <fog_vertex>", atmosphere.atVertex);
   if (!leaves) return;
   const pars = "#include <shadowmap_pars_fragment>";

@@ -15,6 +15,7 @@ import {
   type Texture,
   ZeroFactor,
 } from "three";
+import { OTHER_LEAF_SHARE, SINGLE_ATTRIBUTES, SINGLE_LEAF_SHARE } from "./closeShader";
 import { ALPHA_TEST, type AtmosphereShader, patchColour, type SurfaceUniforms } from "./treeLight";
 
 function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
@@ -42,13 +43,20 @@ function variantOf(
   key: string,
   { together, ...uniforms }: SpeciesUniforms,
   pass: "seen" | "casting",
+  leafShare?: string,
 ): [Variant, object] {
-  const variant = { part, moves, standing: "upright", key, pulls: PULL_PARS } as const;
+  const variant: Variant = { part, moves, standing: "upright", key, pulls: PULL_PARS, leafShare };
   if (!together) return [variant, uniforms];
   return [
     { ...variant, key: `${key}-together`, together: TOGETHER_PARS },
     { ...uniforms, ...together[pass] },
   ];
+}
+
+/** Variant and uniforms of leaves that are drawn one by one. */
+function singleLeaves(key: string, { together: _, ...uniforms }: SpeciesUniforms): [Variant, object] {
+  const code = { pulls: PULL_PARS, leafShare: SINGLE_LEAF_SHARE, attributes: SINGLE_ATTRIBUTES };
+  return [{ part: "leaves", moves: true, standing: "upright", key: `${key}-single`, ...code }, uniforms];
 }
 
 /** Deforms a material; with the extension that tells the draws of a call apart, as ShaderMaterial has it: three.js reads it of any. */
@@ -68,6 +76,7 @@ function colourMaterial(
   uniforms: SpeciesUniforms,
   options: MaterialOptions,
   moves: boolean,
+  single = false,
 ): TreeMaterial {
   const leaves = part === "leaves";
   const cut = leaves && (from.alphaTest > 0 || from.transparent);
@@ -87,12 +96,15 @@ function colourMaterial(
       ? new MeshStandardMaterial({ ...common, roughness: 0.94, metalness: 0 })
       : new MeshLambertMaterial(common);
   if (leaves && options.smoothEdges) material.defines = { ...material.defines, CUTICLE: "" };
+  if (single) material.defines = { ...material.defines, SINGLE_LEAVES: "" };
   if (from.userData.merged) material.defines = { ...material.defines, MERGED: "" };
   if (leaves && from.userData.shoots) material.defines = { ...material.defines, SHOOT_TILES: "" };
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
-  const variant = variantOf(part, moves, `colour-${atmosphere.key}`, uniforms, "seen");
-  deformed(material, variant, { ...atmosphere.uniforms, ...surface }, (shader) =>
+  const key = `colour-${atmosphere.key}`;
+  const share = leaves && moves && options.smoothEdges ? OTHER_LEAF_SHARE : undefined; // cards for all in shadow maps
+  const drawn = single ? singleLeaves(key, uniforms) : variantOf(part, moves, key, uniforms, "seen", share);
+  deformed(material, drawn, { ...atmosphere.uniforms, ...surface }, (shader) =>
     patchColour(shader, part, moves, atmosphere),
   );
   return material;
@@ -130,3 +142,14 @@ export const materialsOf =
     const colour = colourMaterial(from, part, uniforms, options, moves);
     return { colour, shadow: shadowMaterial(colour, part, uniforms, options, moves) };
   };
+
+/** The colour material of leaves that are drawn one by one, with the attributes of closeShader.ts. */
+export function singlesMaterial(
+  from: MeshStandardMaterial,
+  uniforms: SpeciesUniforms,
+  options: MaterialOptions,
+): TreeMaterial {
+  const material = colourMaterial(from, "leaves", uniforms, options, true, true);
+  material.vertexColors = true;
+  return material;
+}

@@ -22,6 +22,7 @@ import {
 } from "./components";
 import { leafFreedom, roundNormals } from "./foliage";
 import type { PartGeometry } from "./limbs";
+import type { SingleLeaves } from "./singleLeaves";
 
 /** Wood moves with its branch; leaves also flutter and are lit from both sides. */
 export type Part = "wood" | "leaves";
@@ -67,6 +68,8 @@ export interface TreeModel {
    * disappear in the same order. Made when first asked for, like `bare`.
    */
   readonly near: readonly AddedPart[];
+  /** Drawn one by one close to the eye, in place of leaves and their near parts; without it none are. Made when first asked for. */
+  readonly singles?: SingleLeaves | null;
   /** Those of all parts. */
   readonly materials: readonly MeshStandardMaterial[];
   /** Whether each tree has a lean of its own (lean.ts). */

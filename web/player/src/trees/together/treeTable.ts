@@ -43,7 +43,7 @@ export class TreeTable {
         const tree = list.order[place];
         const share = Math.min(taken.mostShare, taken.shares[tree]);
         const texel = first + (place - list.start[level]) * nodes;
-        copyTree(instances, tree, this.flat.data, to, texel, share);
+        copyTree(instances, tree, this.flat.data, to * INSTANCE_FLOATS, texel, share);
       }
     }
     if (trees > 0) uploadFirst(this.flat.texture, trees * TEXELS_PER_TREE);
