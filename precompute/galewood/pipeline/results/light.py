@@ -153,7 +153,10 @@ def write_light(
         own = pictures.setdefault(
             species,
             Pictures(
-                species, sprays=sprays, drawn_sprays=None if shown is None else json.loads(shown), shoots=shoots
+                species,
+                sprays=sprays,
+                drawn_sprays=None if shown is None else json.loads(shown),
+                shoots=shoots,
             ),
         )
         meshes[f"{name}.glb"] = light_glb(render_glb, own)

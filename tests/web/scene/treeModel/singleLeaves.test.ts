@@ -43,10 +43,10 @@ describe.each(SPECIES)("single leaves of the %s", (species) => {
         expect(Math.hypot(...minus(foot, [x - 0.5, y, 4 * ARCH_SHARE * y * (1 - y)]))).toBeLessThan(1e-6);
         expect(leaves.slice(4 * first, 4 * first + 3)).toEqual(Float32Array.from(foot));
         // Seen from above, a straight leaf of this length ends about where the picture has one; bent ones are shorter.
-        const middle = at(positions, first + 7);
+        const middle = at(positions, first + 4);
         const away = Math.hypot(middle[0] - foot[0], middle[1] - foot[1]);
-        expect(away).toBeLessThan((2 / 3) * side + 1e-6);
-        expect(away).toBeGreaterThan(0.35 * side);
+        expect(away).toBeLessThan(0.5 * side + 1e-6);
+        expect(away).toBeGreaterThan(0.3 * side);
         const angle = Math.atan2(middle[0] - foot[0], middle[1] - foot[1]) - angle_rad;
         expect(Math.abs(Math.atan2(Math.sin(angle), Math.cos(angle)))).toBeLessThan(0.45);
       });
@@ -103,7 +103,7 @@ describe.each(SPECIES)("single leaves of the %s", (species) => {
         const face = unit(
           cross(minus(at(positions, b), at(positions, a)), minus(at(positions, c), at(positions, a))),
         );
-        expect(Math.abs(dot(face, at(normals, a)))).toBeGreaterThan(0.8);
+        expect(Math.abs(dot(face, at(normals, a)))).toBeGreaterThan(0.65);
       }
     }
   });

@@ -10,7 +10,7 @@ import { between, cross, type Point, plus, unit } from "./points";
 import { type DrawnLeaf, type DrawnSprays, SHEET_ROWS, SPRAY_TILES } from "./sprayTiles";
 
 /** Rows and columns of vertices of a blade. */
-const ROW_COUNT = 4;
+const ROW_COUNT = 3;
 const COLUMN_COUNT = 3;
 export const BLADE_VERTICES = ROW_COUNT * COLUMN_COUNT;
 /** The halves of a blade rise from its midrib, its tip hangs, and it leaves the plane of its spray: angles, rad. */
