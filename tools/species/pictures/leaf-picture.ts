@@ -298,13 +298,13 @@ const NET_WIDTH = 0.05;
 const NET_STRENGTH = 0.13;
 /** Width of the other veins relative to those of leaves with few pixels. */
 const FINE_VEIN_SHARE = 0.6;
-const MOTTLES = 5;
+const MOTTLE_CELLS = 5;
 const MOTTLE_SHARE = 0.2;
 
 /** Strength of the finest veins, and lightness, at a point of a blade. */
 function fineBlade(bx: number, by: number): [net: number, mottle: number] {
   const away = Math.abs(bladeNoise(bx, by, NET_MESHES, NET_MESHES) - 0.5);
-  const mottle = 1 + MOTTLE_SHARE * (octaves(bladeNoise, bx, by, MOTTLES, MOTTLES, 3) - 0.5);
+  const mottle = 1 + MOTTLE_SHARE * (octaves(bladeNoise, bx, by, MOTTLE_CELLS, MOTTLE_CELLS, 3) - 0.5);
   return [NET_STRENGTH * Math.max(0, 1 - away / NET_WIDTH), mottle];
 }
 

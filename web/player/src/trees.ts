@@ -10,7 +10,7 @@ export {
   fillClose,
   type HeldSprays,
   type SprayRoom,
-} from "./trees/closeLeaves";
+} from "./trees/culling/closeLeaves";
 export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling/culling";
 export { nearRank, rankedIndex } from "./trees/detail";
 export type { DrawList, View } from "./trees/drawList";

@@ -4,8 +4,9 @@ A light mesh has the vertices of its render mesh in the same order, so the same 
 texture coordinates are rounded, normals are octahedral, and all are compressed with meshopt. Both forms of a
 species share pictures, which are WebP files beside the mesh. The extras of the material ``leaves`` name a
 further one as ``sprays``: eight sprays of the species, which a browser may draw near the eye in place of leaf
-cards, and below them single leaves; ``drawn_sprays`` says where in each spray which leaf is. The cards of some species show fuller shoots than those of the render mesh, which have the area of the
-tree's leaves. The folder ``light`` holds
+cards, and below them single leaves; ``drawn_sprays`` says where in each spray which leaf is. The cards of some
+species show fuller shoots than those of the render mesh, which have the area of the tree's leaves.
+The folder ``light`` holds
 
 - ``name.glb`` for each tree, which refers to ``pictures/…`` relative to itself;
 - ``pictures/species-what.hash.webp``, each named by its content;
@@ -57,7 +58,7 @@ class PicturesOfLight:
         self._uris: dict[tuple[str, str], str] = {}
         self._extras: Json = {}
         for material in document["materials"]:
-            if material["name"] == LEAVES_NAME:
+            if material.get("name") == LEAVES_NAME:
                 self._extras = material.get("extras", {})
             for slot, index in _texture_slots(material):
                 image = document["textures"][index]["extensions"][WEBP_EXTENSION]["source"]
@@ -123,7 +124,7 @@ def light_glb(render_glb: bytes, pictures: SharedPictures) -> bytes:
             buffers.indices(primitive["indices"])
     images = _images(document, body, pictures)
     for material in document["materials"]:
-        if material["name"] == LEAVES_NAME and pictures.leaf_extras:
+        if material.get("name") == LEAVES_NAME and pictures.leaf_extras:
             material["extras"] = pictures.leaf_extras
     extensions = [*buffers.EXTENSIONS, *([WEBP_EXTENSION] if images else [])]
     return packed_glb(
@@ -148,17 +149,11 @@ def write_light(
     meshes: dict[str, bytes] = {}
     index: dict[str, str] = {}
     for name, species, render_glb in trees:
-        sprays, shoots = (drawn.get((species, kind)) for kind in (SPRAYS_NAME, SHOOTS_NAME))
-        shown = drawn.get((species, DRAWN_SPRAYS_NAME))
-        own = pictures.setdefault(
-            species,
-            Pictures(
-                species,
-                sprays=sprays,
-                drawn_sprays=None if shown is None else json.loads(shown),
-                shoots=shoots,
-            ),
+        sprays, shown, shoots = (
+            drawn.get((species, kind)) for kind in (SPRAYS_NAME, DRAWN_SPRAYS_NAME, SHOOTS_NAME)
         )
+        own = pictures.setdefault(species, Pictures(species, sprays=sprays, shoots=shoots))
+        own.drawn_sprays = None if shown is None else json.loads(shown)
         meshes[f"{name}.glb"] = light_glb(render_glb, own)
         index[hashlib.sha256(render_glb).hexdigest()] = f"{name}.glb"
         if own.sprays is not None and own.sprays_uri is not None:

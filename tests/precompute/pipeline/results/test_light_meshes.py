@@ -110,6 +110,10 @@ def test_light_meshes_are_compressed_share_pictures_and_stay_small() -> None:
         used.setdefault(species, []).append([image["uri"] for image in document["images"]])
         (leaves,) = (material for material in document["materials"] if material["name"] == "leaves")
         sprays.setdefault(species, []).append(leaves["extras"]["sprays"])
+        drawn = SPECIES / f"{species}.sprays.json"  # none of needles
+        assert leaves["extras"].get("drawn_sprays") == (
+            json.loads(drawn.read_bytes()) if drawn.is_file() else None
+        )
     for first, second in used.values():
         assert first == second
         assert len(set(first)) == 3

@@ -6,7 +6,7 @@ import {
   fillClose,
   type HeldSprays,
   type SprayRoom,
-} from "../../../../web/player/src/trees/closeLeaves";
+} from "../../../../web/player/src/trees/culling/closeLeaves";
 import { DrawList, type View } from "../../../../web/player/src/trees/drawList";
 import { createInstanceData, INSTANCE_FLOATS } from "../../../../web/player/src/trees/instanceData";
 import { WHOLE_SHARE } from "../../../../web/player/src/trees/jointAttribute";

@@ -2,7 +2,7 @@
 import { Group } from "three";
 import type { Easing } from "../core/motion/easedPoses";
 import type { DrawnMotion } from "../core/table/drawnTable";
-import type { CloseLeaves } from "./closeLeaves";
+import type { CloseLeaves } from "./culling/closeLeaves";
 import { type Bounds, orientedBounds } from "./culling/culling";
 import { DrawList, type View } from "./drawList";
 import {

@@ -18,13 +18,13 @@ export const CLOSE_ATTRIBUTES = [
   ["color", 3],
 ] as const;
 /** The colour is declared by three.js. */
-const DECLARED = CLOSE_ATTRIBUTES.filter(([name]) => name !== "color" && name !== "aPivot")
+const VEC4_DECLARATIONS = CLOSE_ATTRIBUTES.filter(([name]) => name !== "color" && name !== "aPivot")
   .map(([name]) => `attribute vec4 ${name};`)
   .join("\n");
 
 /** Takes the place of the attributes of trees and pieces: what a vertex of a shape is in the frame of its tree. */
 export const SINGLE_ATTRIBUTES = /* glsl */ `
-${DECLARED}
+${VEC4_DECLARATIONS}
 attribute vec3 aPivot;
 attribute vec4 aLeaf; // foot of the leaf in the frame of the spray, random number; 0: the shoot
 vec4 aAnchor;

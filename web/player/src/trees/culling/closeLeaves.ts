@@ -2,16 +2,16 @@
  * Leaves that are drawn one by one close to the eye, in place of cards and sprays: each spray is an instance of one of a few shapes. The
  * scene supplies the shapes and draws them; here is where the sprays stand, and which of them are close. No three.js beyond types.
  */
-import type { DrawnMotion } from "../core/table/drawnTable";
-import type { Point } from "./culling/culling";
-import { LEVEL_COUNT, MOST_SHARE } from "./detail";
-import type { DrawList, View } from "./drawList";
-import { copyTree, INSTANCE_FLOATS } from "./instanceData";
-import { WHOLE_SHARE } from "./jointAttribute";
-import { MOST_LEAN } from "./lean";
-import { type SingleLeaves, SPRAY_FLOATS } from "./mesh/singleLeaves";
-import type { LevelTexels } from "./nodes/treeNodes";
-import { ownRay } from "./treePick";
+import type { DrawnMotion } from "../../core/table/drawnTable";
+import { LEVEL_COUNT, MOST_SHARE } from "../detail";
+import type { DrawList, View } from "../drawList";
+import { copyTree, INSTANCE_FLOATS } from "../instanceData";
+import { WHOLE_SHARE } from "../jointAttribute";
+import { MOST_LEAN } from "../lean";
+import { type SingleLeaves, SPRAY_FLOATS } from "../mesh/singleLeaves";
+import type { LevelTexels } from "../nodes/treeNodes";
+import { ownRay } from "../treePick";
+import type { Point } from "./culling";
 
 /** Draws the close leaves of one species. */
 export interface CloseLeaves {
@@ -50,7 +50,7 @@ interface Ball {
   readonly radius_m: number;
 }
 
-const UP: Point = { x: 0, y: 1, z: 0 };
+const UP_DIRECTION: Point = { x: 0, y: 1, z: 0 };
 
 /** null: the tree is farther away. */
 function ballIn(
@@ -65,7 +65,7 @@ function ballIn(
   const reach_m = scale * (radius_m + (leans ? MOST_LEAN * height_m : 0)) + close_m;
   const away_m = Math.hypot(eye.x - data[at], eye.z - data[at + 2]);
   if (away_m > reach_m || eye.y - data[at + 1] > scale * height_m + close_m) return null;
-  const [x, y, z] = ownRay({ data, leans }, tree, { from: eye, to: UP });
+  const [x, y, z] = ownRay({ data, leans }, tree, { from: eye, to: UP_DIRECTION });
   return { x, y, z, radius_m: (close_m * (1 + 2 * MOST_LEAN)) / scale };
 }
 
