@@ -4,7 +4,7 @@ A light mesh has the vertices of its render mesh in the same order, so the same 
 texture coordinates are rounded, normals are octahedral, and all are compressed with meshopt. Both forms of a
 species share pictures, which are WebP files beside the mesh. The extras of the material ``leaves`` name a
 further one as ``sprays``: eight sprays of the species, which a browser may draw near the eye in place of leaf
-cards, and below them single leaves; ``drawn_sprays`` says where in each spray which leaf is. The cards of some
+cards, and below them single leaves; ``drawn_sprays`` says where in a spray which leaf is. The cards of some
 species show fuller shoots than those of the render mesh, which have the area of the tree's leaves.
 The folder ``light`` holds
 
