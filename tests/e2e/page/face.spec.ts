@@ -88,6 +88,32 @@ test.describe("pictures", () => {
     }
   });
 
+  test("leaves close to the eye are drawn one by one", { tag: "@long" }, async ({ page }) => {
+    await open(page, "panel=0&quality=medium&trees=6&background=0&season=summer&speed=4");
+    await forest(page);
+    await frames(page, ALL_SHOWN_FRAMES);
+    const counts = await page.evaluate(async () => {
+      const galewood = window.galewood!;
+      galewood.sleep(true);
+      const columns = Array.from({ length: 30 }, (_, k) => (innerWidth * (k + 0.5)) / 30);
+      const tree = columns.map((x) => galewood.pick(x, 0.4 * innerHeight)).find((picked) => picked !== null);
+      if (!tree) throw new Error("no tree in view");
+      const { position: { x, z }, height_m, radius_m } = tree;
+      const above = 0.5 * height_m;
+      const shown = async (away_m: number) => {
+        galewood.look({ x, above, z: z + away_m }, { x, above, z });
+        for (let k = 0; k < 4; k++) await galewood.step(0.1);
+        return galewood.statistics.triangles;
+      };
+      const beside_m = radius_m + 5; // its sprays are all drawn, too
+      return [await shown(beside_m), await shown(0.7 * radius_m), await shown(beside_m)];
+    });
+    console.log(JSON.stringify(counts));
+    const [beside, inside, besideAgain] = counts;
+    expect(inside).toBeGreaterThan(beside + 100_000);
+    expect(besideAgain).toBe(beside);
+  });
+
   test("a shared link restores the picture", async ({ page, context }) => {
     await page.setViewportSize({ width: 480, height: 270 });
     await context.grantPermissions(["clipboard-read", "clipboard-write"]);
