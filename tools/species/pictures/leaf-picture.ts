@@ -101,7 +101,7 @@ export function drawnSprays(ofCards: LeafLook, seed: number): DrawnSprays | null
   const look = sprayLook(ofCards);
   const [single] = singleLeaf(look, look.palettes[0]).leaves;
   if (!single) return null;
-  const rounded = (value: number) => Math.round(1e4 * value) / 1e4;
+  const rounded = (value: number) => Math.round(1e3 * value) / 1e3;
   const tiles = Array.from({ length: SPRAY_COUNT }, (_, tile) => {
     const { shoots, leaves } = grownTile(SPRAYS, look, seed + 1, tile);
     const [{ points }] = shoots;

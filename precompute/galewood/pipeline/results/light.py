@@ -33,7 +33,7 @@ PICTURE_NAMES = {("wood", "baseColorTexture"): "bark", ("wood", "normalTexture")
 """Material and slot -> name of a picture; others are named by their material."""
 LEAVES_NAME, SPRAYS_NAME, SHOOTS_NAME = "leaves", "sprays", "shoots"
 DRAWN_SPRAYS_NAME = "drawn_sprays"
-COLOUR_QUALITY, NORMAL_QUALITY = 82, 90
+COLOUR_QUALITY, SPRAYS_QUALITY, NORMAL_QUALITY = 82, 70, 90
 
 
 class SharedPictures(Protocol):
@@ -106,8 +106,8 @@ class Pictures:
         if name == LEAVES_NAME and self.shoots is not None:
             content = self.shoots
         if name not in self._names:
-            quality = NORMAL_QUALITY if slot == "normalTexture" else COLOUR_QUALITY
-            packed = _webp(content, quality)
+            colour = SPRAYS_QUALITY if name == SPRAYS_NAME else COLOUR_QUALITY
+            packed = _webp(content, NORMAL_QUALITY if slot == "normalTexture" else colour)
             file = f"{self.species}-{name}.{hashlib.sha256(packed).hexdigest()[:12]}.webp"
             self.files[file], self._names[name] = packed, file
         return f"{PICTURES_FOLDER}/{self._names[name]}"
