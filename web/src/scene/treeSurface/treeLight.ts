@@ -291,6 +291,9 @@ if (uSnow > 0.0) {
 }
 `;
 
+/** A leaf has so many times as many texels in its own tile as in that of its spray. */
+const SINGLE_TEXELS = 12;
+
 const LEAF_NORMAL = /* glsl */ `
 float faceDirection = gl_FrontFacing ? 1.0 : -1.0;
 vec3 normal = normalize(vNormal); // crown normals: the same from both sides
@@ -305,7 +308,11 @@ vec3 nonPerturbedNormal = normal;
   #else
     vec3 face = normalize(cross(along, across));
   #endif
-  float close = 1.0 - smoothstep(2.0, 60.0, area);
+  #ifdef SINGLE_LEAVES
+    float close = 1.0 - smoothstep(2.0, 60.0, area / ${SINGLE_TEXELS.toFixed(1)});
+  #else
+    float close = 1.0 - smoothstep(2.0, 60.0, area);
+  #endif
   vec3 relief = dFdx(shade) * cross(across, face) + dFdy(shade) * cross(face, along);
   vec3 blade = normalize(face - 2.2 * close * relief);
   normal = normalize(mix(normal, faceforward(blade, -normal, blade), 0.4 * close));
