@@ -24,7 +24,7 @@ const SHADE_LIGHT_RATIO = 0.22;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
 /** Light of leaves around an eye inside a crown, which shade each other; beside it, leaves nearer than this (m) fill the view like them. */
-const INSIDE_LIGHT_RATIO = 0.065;
+const INSIDE_LIGHT_RATIO = 0.055;
 const CLOSE_LEAVES_M = 3;
 /** Largest gain, inside dense crowns. */
 export const MOST_GAIN = 2.4;
