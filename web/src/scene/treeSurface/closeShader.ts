@@ -56,6 +56,14 @@ void takeTree() {
 #define normal bladeNormal
 `;
 
+/** Vertex shader of leaves: the normal of a blade in the frame of the view. */
+export const BLADE_NORMAL = /* glsl */ `
+#include <defaultnormal_vertex>
+#ifdef SINGLE_LEAVES
+vBlade = normalMatrix * stoodNormal(turnedBy(heldTurn, bladeOwn));
+#endif
+`;
+
 /** Share of the distance up to which there are single leaves, from which on cards and sprays are drawn as well. */
 const BOTH_FROM_SHARE = 0.85;
 

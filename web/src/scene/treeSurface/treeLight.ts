@@ -3,6 +3,7 @@
 import { type Part, UNMAPPED_BELOW } from "galewood/trees";
 import type { Color, WebGLProgramParametersWithUniforms } from "three";
 import { SHEET_ROWS, SHOOT_TILES_PER_SIDE } from "../treeModel/sprayTiles";
+import { BLADE_NORMAL } from "./closeShader";
 import { ONE_SHADOW_SAMPLE } from "./leafShadow";
 
 /** Surface uniforms shared by all trees. */
@@ -40,14 +41,6 @@ varying vec4 vTint;
 varying vec4 vPiece;
 #ifdef SINGLE_LEAVES
 varying vec3 vBlade; // normal of a blade, without that of the crown
-#endif
-`;
-
-/** Vertex shader of single leaves (closeLeaves.ts): the normal of the blade in the frame of the view. */
-const BLADE_NORMAL = /* glsl */ `
-#include <defaultnormal_vertex>
-#ifdef SINGLE_LEAVES
-vBlade = normalMatrix * stoodNormal(turnedBy(heldTurn, bladeOwn));
 #endif
 `;
 
@@ -305,12 +298,9 @@ vec3 nonPerturbedNormal = normal;
   #ifdef SINGLE_LEAVES
     vec3 face = normalize(vBlade);
     face = faceforward(face, -vViewPosition, face);
-  #else
-    vec3 face = normalize(cross(along, across));
-  #endif
-  #ifdef SINGLE_LEAVES
     float close = 1.0 - smoothstep(2.0, 60.0, area / ${SINGLE_TEXELS.toFixed(1)});
   #else
+    vec3 face = normalize(cross(along, across));
     float close = 1.0 - smoothstep(2.0, 60.0, area);
   #endif
   vec3 relief = dFdx(shade) * cross(across, face) + dFdy(shade) * cross(face, along);

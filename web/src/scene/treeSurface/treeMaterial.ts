@@ -102,7 +102,7 @@ function colourMaterial(
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
   const key = `colour-${atmosphere.key}`;
-  const share = leaves && moves && options.smoothEdges ? OTHER_LEAF_SHARE : undefined; // cards for all in shadow maps
+  const share = leaves && options.smoothEdges ? OTHER_LEAF_SHARE : undefined; // cards for all in shadow maps
   const drawn = single ? singleLeaves(key, uniforms) : variantOf(part, moves, key, uniforms, "seen", share);
   deformed(material, drawn, { ...atmosphere.uniforms, ...surface }, (shader) =>
     patchColour(shader, part, moves, atmosphere),

@@ -1,6 +1,6 @@
 /**
  * Leaves that are drawn one by one close to the eye, in place of cards and sprays: each spray is an instance of one of a few shapes. The
- * scene supplies the shapes and draws them; here is where the sprays stand, and which of them are close. No three.js beyond types.
+ * scene supplies the shapes and draws them; here is where the sprays stand, and which of them are close. Pure.
  */
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import { LEVEL_COUNT, MOST_SHARE } from "../detail";
@@ -22,13 +22,13 @@ export interface CloseLeaves {
   dispose(): void;
 }
 
-/** Floats of an instance: the tree, the joint and its vertex, the pivot and 0, the spray. */
+/** The joint and its vertex, the pivot and 0. */
 const JOINT_FLOATS = 8;
+/** Floats of an instance: the tree, the joint, the spray. */
 export const CLOSE_FLOATS = INSTANCE_FLOATS + JOINT_FLOATS + SPRAY_FLOATS;
 
 /** Sprays as they are held by the joints of a table. */
-export interface HeldSprays extends Pick<SingleLeaves, "shapeOf" | "sprays"> {
-  readonly hold: Uint32Array;
+export interface HeldSprays extends Pick<SingleLeaves, "shapeOf" | "sprays" | "hold"> {
   readonly motion: Pick<DrawnMotion, "vertexJoint" | "jointNodes" | "jointShare" | "jointRest_m" | "levels">;
   /** Size of the tree, m. */
   readonly height_m: number;
