@@ -8,7 +8,7 @@ import { build } from "vite";
 import { afterAll, beforeAll, expect, test, vi } from "vitest";
 import { createForest, PRESETS, readTable } from "../../../web/player/src/core";
 import { openMesh } from "../../../web/player/src/trees/mesh/openMesh";
-import { readParts } from "../../../web/player/src/trees/mesh/treeMesh";
+import { openedMeshes } from "../../../web/player/src/trees/mesh/treeMesh";
 import type { BuiltinTree } from "../../../web/trees/tree";
 
 const SOURCE = fileURLToPath(new URL("../../../web/trees/", import.meta.url));
@@ -61,14 +61,14 @@ test.each(IDS)("%s sways in its package", { timeout: 60_000 }, async (id) => {
     pictures.push(from);
     return Promise.resolve({ width: 4, height: 4, close() {} });
   });
-  const { read } = readParts(await openMesh(bytes(tree.meshUrl).buffer));
+  const { meshes } = openedMeshes(await openMesh(bytes(tree.meshUrl).buffer));
   vi.unstubAllGlobals();
   expect(pictures.map(({ type }) => type)).toEqual(Array(3).fill("image/webp"));
   for (const picture of pictures) {
     expect(new TextDecoder("latin1").decode((await picture.arrayBuffer()).slice(8, 12))).toBe("WEBP");
   }
-  const vertices = read.map(({ part }) => part.vertices);
-  const rest_m = Float32Array.from(read.flatMap(({ part }) => [...part.position.array]));
+  const vertices = meshes.map(({ positions }) => positions.length / 3);
+  const rest_m = Float32Array.from(meshes.flatMap(({ positions }) => [...positions]));
   expect(tree.bareTableUrl === null).toBe(["spruce", "pine"].includes(tree.species));
   for (const url of [tree.tableUrl, tree.bareTableUrl]) {
     if (url === null) continue;

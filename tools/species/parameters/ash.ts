@@ -114,6 +114,7 @@ export const ash: Species = {
     leavesPerCard: 22,
     leavesPerSpray: 5,
     sideShoots: 4,
+    fuller: { sideShoots: 8, sideLength: 1.1, leavesPerCard: 60 },
     branchedSpray: false,
     angle_deg: 52,
   },

@@ -71,7 +71,7 @@ export const larch: Species = {
     leavesPerCard: 460,
     leavesPerSpray: 300,
     sideShoots: 6,
-    fuller: { sideShoots: 12, sideLength: 1.4, leavesPerCard: 1000 },
+    fuller: { sideShoots: 20, sideLength: 1.3, leavesPerCard: 3200 },
     angle_deg: 62,
   },
   bark: scalyBark(127, { dark: [0.2, 0.12, 0.09], light: [0.56, 0.4, 0.31] }, 8, 9),

@@ -105,7 +105,7 @@ export const spruce: Species = {
     leavesPerCard: 640,
     leavesPerSpray: 420,
     sideShoots: 8,
-    fuller: { sideShoots: 14, sideLength: 1.4, leavesPerCard: 1300 },
+    fuller: { sideShoots: 18, sideLength: 1.35, leavesPerCard: 2600 },
     branchedSpray: true,
     angle_deg: 50,
   },

@@ -28,13 +28,21 @@ export { LEAN_SHADER } from "./trees/lean";
 export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";
 export { openMesh } from "./trees/mesh/openMesh";
+export {
+  type MeshArrays,
+  type Part,
+  type PartArrays,
+  type ReadMeshes,
+  type ReadPart,
+  readMeshes,
+} from "./trees/mesh/partArrays";
 export { type SingleLeaves, SPRAY_FLOATS, type SprayShape } from "./trees/mesh/singleLeaves";
 export {
   type AddedPart,
   disposeModel,
-  type Part,
-  type ReadPart,
-  readParts,
+  drawnPart,
+  type OpenedMeshes,
+  openedMeshes,
   readPlainTree,
   type TreeModel,
   type TreePart,

@@ -1,8 +1,10 @@
 /** The application: makes the features of the page, and gives each what it depends on. */
 
+import { treeReader } from "../scene/treeModel/treeReader";
 import { Capture } from "./camera/capture";
 import { Views } from "./camera/views";
 import { Comparison } from "./compare/comparison";
+import { openControls } from "./controls/opening";
 import { Panel } from "./controls/panel";
 import { connectPause } from "./controls/pause";
 import { SceneryBar } from "./controls/scenery";
@@ -12,7 +14,7 @@ import { Undo } from "./controls/undo";
 import type { DataFiles } from "./files/dataFiles";
 import { ForestClient } from "./forest/forestClient";
 import { ForestFigures } from "./forest/forestFigures";
-import { FrameLoop } from "./forest/frameLoop";
+import { FrameLoop, type FramePart } from "./forest/frameLoop";
 import { FrameStatistics } from "./forest/frameStatistics";
 import { Planting } from "./forest/planting";
 import type { World } from "./forest/world";
@@ -56,6 +58,7 @@ export interface LoadingTrees {
 /** Starts loading the trees, before it is known how they are drawn. */
 export function loadTrees(store: Store): LoadingTrees {
   useKeys({ known: keptKey, ask: askForKey });
+  treeReader.start();
   const client = new ForestClient(store);
   const catalogue = new Catalogue(store, client);
   return {
@@ -116,7 +119,6 @@ export function openPage(
   followAttention(store.state, retry);
   const meter = new FrameStatistics();
   const status = new StatusReport(store, world, catalogue, meter, retry);
-  const panel = new Panel(store, catalogue, paper, growth, meter.statistics);
   new SceneryBar(store.settings);
   new ProgressCards(ownTrees, catalogue, world);
   const card = new PickedCard(store, picker, catalogue, paper, {
@@ -140,7 +142,7 @@ export function openPage(
     fullScreenTool(),
   );
 
-  const parts = [
+  const parts: FramePart[] = [
     views,
     picker,
     ownTrees,
@@ -151,12 +153,14 @@ export function openPage(
     studio,
     capture,
     status,
-    panel,
     card,
   ];
   const loop = new FrameLoop(store, world, catalogue, meter, parts);
   catalogue.onChange(() => loop.report());
   loop.start();
+  openControls(store, () => {
+    parts.push(new Panel(store, catalogue, paper, growth, meter.statistics));
+  });
   const figures = new ForestFigures(world, catalogue, paper, meter);
   return { store, world, loop, figures, studio, sharing, picker, puller, overlays, sound };
 }

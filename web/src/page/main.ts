@@ -6,6 +6,7 @@ import { isAntialiased } from "../scene/quality";
 import { loadTrees, openPage } from "./app";
 import { connectAbout } from "./controls/about";
 import { showHint } from "./controls/hint";
+import { showControls } from "./controls/opening";
 import { connectSheets } from "./controls/sheets";
 import { DataFiles } from "./files/dataFiles";
 import { detectGraphics, renewCanvas } from "./forest/graphics";
@@ -59,7 +60,7 @@ function openedSettings(software: boolean): { settings: Settings; defaults: Sett
 
 /**
  * Looking at the graphics and making the scene occupy the page, so the first tree is asked for before the scene is made, and is being
- * opened before the rest is, unless the server takes longer.
+ * read before the rest is, unless the server takes longer.
  */
 const SERVER_PATIENCE_MS = 400;
 
@@ -73,6 +74,7 @@ async function start(): Promise<void> {
   if (!graphics.webgl2) {
     trees.dispose();
     showNoGraphics();
+    showControls();
     return;
   }
   if (!graphics.software) trees.catalogue.order.loadAll();
@@ -87,8 +89,8 @@ async function start(): Promise<void> {
   checkWind();
   checkTrees();
   connectSheets(settings.panel);
-  const world = new World(store, trees.client);
   await Promise.race([order.firstArrives, wait(SERVER_PATIENCE_MS)]);
+  const world = new World(store, trees.client);
   const page = openPage(store, world, trees.catalogue, uploads, files);
   exposeProbe(page);
   if (settings.panel) showHint(() => localStorage);

@@ -72,6 +72,8 @@ export class Stage {
   readonly backdrop: Backdrop;
   /** What the first pictures of the trees do without, and then show one after the other. */
   private readonly later: Object3D[];
+  /** Whether all of it is there, and casts shadows. */
+  private isWhole = false;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -184,10 +186,20 @@ export class Stage {
 
   /**
    * Moves sky, flying leaves, snow and ground cover on by dt_s in a mean wind; the clouds follow its strength.
-   * `gusts`: the wind at each place, in which the ground cover bows.
+   * `gusts`: the wind at each place, in which the ground cover bows. `more`: how many of the things that grow and fly around the trees
+   * are there from now on; shadows come after the last of them. The driver takes long to make each ready.
    */
-  advance(dt_s: number, wind_m_s: { x: number; z: number }, gusts: WindField, time_s: number): void {
+  advance(
+    dt_s: number,
+    wind_m_s: { x: number; z: number },
+    gusts: WindField,
+    time_s: number,
+    more: number,
+  ): void {
     this.lighting.advance(dt_s, wind_m_s);
+    this.isWhole = more > this.later.length;
+    for (const object of this.later.splice(0, more)) this.scene.add(object);
+    if (!this.cover.mesh.parent) return; // nothing grows yet
     this.leaves.advance(
       dt_s,
       wind_m_s,
@@ -268,16 +280,11 @@ export class Stage {
     return this.shadowAge === 1;
   }
 
-  /**
-   * `dt_s`: time since the last picture, in which the exposure adapts. `more`: how many of the things that grow and fly around the trees
-   * this picture shows that the last one did not; shadows come after the last of them. The driver takes long to make each ready.
-   */
-  render(dt_s: number, more: number): void {
+  /** `dt_s`: time since the last picture, in which the exposure adapts. */
+  render(dt_s: number): void {
     if (this.sharp !== this.drawnSharp) this.resize(); // here, because it clears the canvas
-    const whole = more > this.later.length;
-    for (const object of this.later.splice(0, more)) this.scene.add(object);
-    this.renderer.shadowMap.autoUpdate = whole && this.castsAnew();
-    if (whole) this.backdrop.prepare(this.renderer);
+    this.renderer.shadowMap.autoUpdate = this.isWhole && this.castsAnew();
+    if (this.isWhole) this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     if (this.occlusion) this.occlusion.render();
     else this.renderer.render(this.scene, this.camera);

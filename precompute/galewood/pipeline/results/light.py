@@ -33,7 +33,7 @@ PICTURE_NAMES = {("wood", "baseColorTexture"): "bark", ("wood", "normalTexture")
 """Material and slot -> name of a picture; others are named by their material."""
 LEAVES_NAME, SPRAYS_NAME, SHOOTS_NAME = "leaves", "sprays", "shoots"
 DRAWN_SPRAYS_NAME = "drawn_sprays"
-COLOUR_QUALITY, SPRAYS_QUALITY, NORMAL_QUALITY = 82, 70, 90
+COLOUR_QUALITY, SPRAYS_QUALITY, NORMAL_QUALITY = 82, 70, 84
 
 
 class SharedPictures(Protocol):

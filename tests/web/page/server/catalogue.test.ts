@@ -13,9 +13,9 @@ const model = vi.hoisted(() => ({ parts: [{ vertices: 3 }] }));
 const problems = vi.hoisted(() => [] as string[]);
 vi.mock("../../../../web/src/page/ui/toast", () => ({ showToast: (title: string) => problems.push(title) }));
 const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
-vi.mock("../../../../web/src/scene/treeModel/readTreeModel", () => ({ readTreeModel: async () => model }));
+
 vi.mock("../../../../web/src/page/server/api", () => ({
-  fetchMesh: async () => new ArrayBuffer(0),
+  fetchModel: async () => model,
   Problem: class extends Error {},
 }));
 vi.mock("../../../../web/src/page/server/eventStream", () => ({

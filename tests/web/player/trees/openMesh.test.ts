@@ -5,7 +5,8 @@ import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { expect, test, vi } from "vitest";
 import { grownLeaf, pieceSize } from "../../../../web/player/src/trees/detail";
 import { openMesh } from "../../../../web/player/src/trees/mesh/openMesh";
-import { disposeModel, readParts, type TreeModel } from "../../../../web/player/src/trees/mesh/treeMesh";
+import { readMeshes } from "../../../../web/player/src/trees/mesh/partArrays";
+import { disposeModel, openedMeshes, type TreeModel } from "../../../../web/player/src/trees/mesh/treeMesh";
 import { goldenJson } from "../../golden";
 
 const JSON_AT = 20;
@@ -27,7 +28,7 @@ function meshWithoutPictures(file: string): ArrayBuffer {
 test("a compressed mesh has the pieces of the mesh that it stands for", { timeout: 60_000 }, async () => {
   const [plain, light] = await Promise.all(
     ["shipped", "light"].map(async (folder) =>
-      readParts(await openMesh(meshWithoutPictures(`${folder}/apricot-forest.glb`))),
+      readMeshes(openedMeshes(await openMesh(meshWithoutPictures(`${folder}/apricot-forest.glb`))).meshes),
     ),
   );
   expect(light.height_m).toBeCloseTo(plain.height_m, 3);
@@ -37,7 +38,7 @@ test("a compressed mesh has the pieces of the mesh that it stands for", { timeou
     expect(geometry.pieces.count).toBe(expected.geometry.pieces.count);
     expect(geometry.pieces.ofVertex).toEqual(expected.geometry.pieces.ofVertex);
     expect(part.counts).toEqual(expected.part.counts);
-    const [found, wanted] = [part.normal.array, expected.part.normal.array];
+    const [found, wanted] = [part.normals, expected.part.normals];
     for (let i = 0; i < wanted.length; i++) expect(Math.abs(found[i] - wanted[i])).toBeLessThan(0.03);
   });
 });
@@ -52,7 +53,7 @@ interface Levels {
 test("levels of detail show what exports write into their files", { timeout: 60_000 }, async () => {
   const expected = goldenJson<Levels>("levels.json");
   const { share, every } = expected;
-  const { read } = readParts(await openMesh(meshWithoutPictures("shipped/apricot-forest.glb")));
+  const { read } = readMeshes(openedMeshes(await openMesh(meshWithoutPictures("shipped/apricot-forest.glb"))).meshes);
   expect(read).toHaveLength(expected.parts.length);
   read.forEach(({ part, geometry }, p) => {
     const { triangles, rank, drawn_m } = expected.parts[p];
@@ -61,9 +62,9 @@ test("levels of detail show what exports write into their files", { timeout: 60_
       [0, 1, 2].map((axis) => rows[step * v + axis]);
     rank.forEach((wanted, k) => {
       const v = every * k;
-      const found = part.piece.array[4 * v + 3];
+      const found = part.pieces[4 * v + 3];
       expect(found).toBeCloseTo(wanted, 6);
-      const [at, anchor] = [three(part.position.array, 3, v), three(part.anchor.array, 4, v)];
+      const [at, anchor] = [three(part.positions, 3, v), three(part.anchors, 4, v)];
       const size = pieceSize(found, share);
       const drawn =
         geometry.kind === "leaves"

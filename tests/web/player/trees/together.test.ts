@@ -5,7 +5,7 @@ import type { DrawnMotion, NodeLevel } from "../../../../web/player/src/core/tab
 import { LEVEL_COUNT, NEAR_RANK, rankedIndex } from "../../../../web/player/src/trees/detail";
 import { ADDED_PART, type PlannedPart } from "../../../../web/player/src/trees/drawnParts";
 import { jointAttribute } from "../../../../web/player/src/trees/jointAttribute";
-import type { Part } from "../../../../web/player/src/trees/mesh/treeMesh";
+import type { Part } from "../../../../web/player/src/trees/mesh/partArrays";
 import { mergedParts, UNMAPPED_BELOW } from "../../../../web/player/src/trees/together/mergedParts";
 import { jointsOf } from "../../../../web/player/src/trees/together/togetherMeshes";
 import { random } from "../../golden";

@@ -1,6 +1,6 @@
 /** The collars of boughs, on a bough that leaves a round stem at an angle. */
 import { describe, expect, it } from "vitest";
-import { branchCollars, collarFade } from "../../../../web/src/scene/treeModel/collars";
+import { branchCollars, collarFade } from "../../../../web/src/scene/treeModel/wood/collars";
 import {
   between,
   cross,
@@ -10,7 +10,7 @@ import {
   plus,
   unit,
 } from "../../../../web/src/scene/treeModel/points";
-import { nearestOn, tubesOf } from "../../../../web/src/scene/treeModel/tubes";
+import { nearestOn, tubesOf } from "../../../../web/src/scene/treeModel/wood/tubes";
 
 const STEM_M = 0.2;
 const BOUGH_M = 0.08;

@@ -1,8 +1,8 @@
 /** Dead branches on a round stem whose crown begins at a height. */
 import { describe, expect, it } from "vitest";
-import { deadBranches } from "../../../../web/src/scene/treeModel/deadBranches";
+import { deadBranches } from "../../../../web/src/scene/treeModel/wood/deadBranches";
 import { cross, dot, minus, type Point } from "../../../../web/src/scene/treeModel/points";
-import { tubesOf } from "../../../../web/src/scene/treeModel/tubes";
+import { tubesOf } from "../../../../web/src/scene/treeModel/wood/tubes";
 
 const STEM_M = 0.15;
 const CROWN_M = 9;

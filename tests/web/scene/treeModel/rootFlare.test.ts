@@ -1,6 +1,6 @@
 import { CylinderGeometry } from "three";
 import { describe, expect, it } from "vitest";
-import { flareFactor, rootFlare } from "../../../../web/src/scene/treeModel/rootFlare";
+import { flareFactor, rootFlare } from "../../../../web/src/scene/treeModel/wood/rootFlare";
 
 /** A stem of radius 0.2 m and 4 m height with rings every metre. */
 function stem() {

@@ -1,6 +1,6 @@
 /** The materials of trees as a scene gives them, before the motion is added. */
 import { DoubleSide, type Material, type MeshStandardMaterial } from "three";
-import type { Part } from "../trees/mesh/treeMesh";
+import type { Part } from "../trees/mesh/partArrays";
 
 /** Makes the material of a part of a tree from that of its mesh. Called once per part: return a new material each time. */
 export type MaterialFactory = (part: Part, original: MeshStandardMaterial) => Material;

@@ -1,6 +1,6 @@
 /** What a species needs to know of the materials of its parts, whoever makes them. */
 import type { Material, MeshStandardMaterial } from "three";
-import type { Part } from "./mesh/treeMesh";
+import type { Part } from "./mesh/partArrays";
 import type { SpeciesUniforms } from "./treeShader";
 
 /** Materials of a part, all with the deformation of pass 2. */

@@ -5,7 +5,7 @@ import { MOST_SHARE, NEAR_RANK } from "./detail";
 import { WHOLE_SHARE } from "./jointAttribute";
 import { AHEAD_X_S_PER_M, AHEAD_Z_S_PER_M, LEAF_FLUTTER } from "./leafFlutter";
 import { LEAN_SHADER } from "./lean";
-import type { Part } from "./mesh/treeMesh";
+import type { Part } from "./mesh/partArrays";
 import { NODE_TEXEL, TURN_BY } from "./nodes/nodeTexel";
 import type { PullUniforms } from "./pull/pullSlots";
 import { VARIANT_SHADER } from "./variantShader";

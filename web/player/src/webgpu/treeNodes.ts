@@ -26,7 +26,7 @@ import { type Node, Vector2 } from "three/webgpu";
 import { MOST_LEAF_GROWTH, SHRINK_RANK_WIDTH } from "../core/constants";
 import { WHOLE_SHARE } from "../trees/jointAttribute";
 import { AHEAD_X_S_PER_M, AHEAD_Z_S_PER_M } from "../trees/leafFlutter";
-import type { Part } from "../trees/mesh/treeMesh";
+import type { Part } from "../trees/mesh/partArrays";
 import type { TreeUniforms } from "../trees/treeShader";
 import { live, texelAt } from "./nodePass";
 import { leafAngle, leafAxis, type Turn, turnedAbout, turnedBy, turnOf, type Vector } from "./turn";

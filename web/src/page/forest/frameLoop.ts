@@ -8,6 +8,8 @@ import type { World } from "./world";
 const REPORT_EVERY_MS = 250;
 /** The land is drawn without trees only if these take longer: its first picture would delay them. */
 const LAND_AFTER_MS = 3000;
+/** Pictures in which the first trees are seen to move. */
+const MOTION_PICTURES = 3;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
 /** Plants and shadows wait for this long for trees that are loading. */
@@ -36,6 +38,8 @@ export interface FramePart {
 export class FrameLoop {
   /** Number of frames drawn. */
   frame = 0;
+  /** Number of pictures with trees, as long as few have been drawn. */
+  private withTrees = 0;
   private last_ms = performance.now();
   private reported_ms = 0;
 
@@ -67,7 +71,7 @@ export class FrameLoop {
     const played_s = playback.advance_s(passed_s, settings.lookup === "server");
     const early = !this.world.hasTrees && performance.now() < LAND_AFTER_MS;
     if (!early) {
-      this.move({ passed_s, played_s: played_s ?? 0, playing: played_s !== null });
+      this.move({ passed_s, played_s: played_s ?? 0, playing: played_s !== null }, this.more);
       this.draw(passed_s);
     }
     this.meter.count(frame_ms, performance.now() - begin_ms);
@@ -77,17 +81,18 @@ export class FrameLoop {
     }
   }
 
-  private move(frame: Frame): void {
+  /** `more`: see Stage.advance. */
+  private move(frame: Frame, more: number): void {
     if (frame.playing) this.world.moveTrees(frame.played_s);
     for (const part of this.parts) part.advance?.(frame);
-    this.world.moveScenery(frame.played_s);
+    this.world.moveScenery(frame.played_s, more);
   }
 
   /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
   async step(dt_s: number, drawn = true): Promise<void> {
-    this.move({ passed_s: dt_s, played_s: dt_s, playing: true });
+    this.move({ passed_s: dt_s, played_s: dt_s, playing: true }, Number.POSITIVE_INFINITY);
     await this.world.settle();
-    if (drawn) this.draw(dt_s, Number.POSITIVE_INFINITY);
+    if (drawn) this.draw(dt_s);
     else this.frame++;
     this.report();
   }
@@ -106,11 +111,10 @@ export class FrameLoop {
     return there || performance.now() > SURROUNDINGS_AFTER_MS ? 1 : 0;
   }
 
-  /** `more`: what is shown in addition, see Stage.render. */
-  private draw(passed_s: number, more = this.more): void {
+  private draw(passed_s: number): void {
     const { state } = this.store;
-    if (this.world.draw(passed_s, this.waitsForTrees, more)) {
-      if (this.world.hasTrees) state.treesSeen = true;
+    if (this.world.draw(passed_s, this.waitsForTrees)) {
+      if (this.world.hasTrees && !state.treesSeen) state.treesSeen = ++this.withTrees >= MOTION_PICTURES;
       for (const part of this.parts) part.drawn?.();
     }
     this.frame++;

@@ -160,19 +160,16 @@ export class World {
     if (client.wind) field.state = client.wind.state;
   }
 
-  /** Moves sky, snow, ground cover and leaves on by dt_s. */
-  moveScenery(dt_s: number): void {
+  /** Moves sky, snow, ground cover and leaves on by dt_s. `more`: see Stage.advance. */
+  moveScenery(dt_s: number, more: number): void {
     const { stage, client, field, flutter } = this;
-    stage.advance(dt_s, meanVelocity_m_s(this.store.settings.wind), field, client.time_s);
+    stage.advance(dt_s, meanVelocity_m_s(this.store.settings.wind), field, client.time_s, more);
     if (client.wind) stage.backdrop.wood.advance(client.wind.state, client.time_s);
     flutter.value.x += dt_s;
   }
 
-  /**
-   * Draws the picture, `dt_s` after the last one, unless a waiting forest has nothing new; returns whether it did.
-   * `more`: see Stage.render.
-   */
-  draw(dt_s: number, waits: boolean, more: number): boolean {
+  /** Draws the picture, `dt_s` after the last one, unless a waiting forest has nothing new; returns whether it did. */
+  draw(dt_s: number, waits: boolean): boolean {
     const { stage, forest } = this;
     const moved = stage.updateCamera();
     if (waits && (this.hasTrees || !(moved || this.viewChanged))) return false;
@@ -180,7 +177,7 @@ export class World {
     this.select(moved);
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
-    stage.render(dt_s, more);
+    stage.render(dt_s);
     return true;
   }
 

@@ -1,10 +1,9 @@
 /** Shows the detected parts of an uploaded tree, ready to correct before its motion is computed. */
-import { readTreeModel } from "../../scene/treeModel/readTreeModel";
 import {
   type Assumptions,
   changeAssumptions,
   deleteTree,
-  fetchMesh,
+  fetchModel,
   fetchPieces,
   knownSpecies,
   Problem,
@@ -129,10 +128,7 @@ export class OwnTreeDialog {
     );
     if (!tree.mesh_sha256) return;
     try {
-      const model = readTreeModel(await fetchMesh(tree.mesh_sha256), {
-        varied: false,
-        evergreen: tree.evergreen,
-      });
+      const model = await fetchModel(tree.mesh_sha256, { varied: false, evergreen: tree.evergreen });
       this.preview.show(model, assumed.vertexPieces, assumed.pieces);
       this.picture.src = thumbnailUrl(tree);
       this.picture.hidden = false;

@@ -1,6 +1,8 @@
 /** Client of the server's REST API. */
 
-import { type OpenedTree, openTree } from "../../scene/treeModel/openTree";
+import type { TreeModel } from "galewood/trees";
+import { readTreeModel } from "../../scene/treeModel/readTreeModel";
+import type { TreeKind } from "../../scene/treeModel/treeArrays";
 import type { Schemas } from "./schema";
 import { type Sending, sendBody } from "./sending";
 
@@ -214,10 +216,9 @@ export const complianceUrl = (sha256: string) => `api/compliances/${sha256}`;
 
 export const recordsUrl = (sha256: string) => `api/records/${sha256}`;
 
-/** The mesh of a tree, opened, in its light copy if it has one. `arrived`: called once its bytes are there, before it is opened. */
-export async function fetchMesh(sha256: string, arrived?: () => void): Promise<OpenedTree> {
+/** The mesh of a tree, in its light copy if it has one. `reads`: called when it is there, and is being read. */
+export async function fetchModel(sha256: string, kind: TreeKind, reads?: () => void): Promise<TreeModel> {
   const path = `api/light-meshes/${sha256}`;
   const bytes = await (await fetchApi(path)).arrayBuffer();
-  arrived?.();
-  return openTree(bytes, new URL(".", new URL(path, document.baseURI)).href);
+  return readTreeModel(bytes, new URL(".", new URL(path, document.baseURI)).href, kind, reads);
 }

@@ -8,8 +8,6 @@ import { EDGE_VIEW, type Viewpoint } from "../../scene/camera/viewpoints";
 import { firstInView, type TreeAsset } from "../../scene/forest";
 import type { BuiltinTree } from "../../scene/forestIndividuals";
 import { type Grown, kindOf, kindsOf } from "../../scene/forms";
-import type { OpenedTree } from "../../scene/treeModel/openTree";
-import { readTreeModel, type TreeKind } from "../../scene/treeModel/readTreeModel";
 import type { ForestClient } from "../forest/forestClient";
 import type { NamedInventory } from "../inventory/namedInventory";
 import { plantedAs } from "../settings/planted";
@@ -17,7 +15,7 @@ import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { showToast } from "../ui/toast";
 import { displayName } from "../ui/words";
-import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api";
+import { fetchModel, type Job, Problem, type Tree, type TreeChange } from "./api";
 import { type EventStream, followEvents } from "./eventStream";
 import { LoadingOrder } from "./loadingOrder";
 
@@ -81,17 +79,11 @@ const viewOf = ({ eye, target }: Store["opened"]): Viewpoint =>
 
 const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, motion: asset.motion });
 
-/** Meshes are read for so long before a frame may come in between. */
-const TURN_MS = 200;
 export class Catalogue {
   /** Number of changes of the forest's assets, after each of which the trees are placed again. */
   readonly assetChanges = signal(0);
   /** Number of times that the server had new records of the paper's method. */
   readonly recordChanges = signal(0);
-  /** Settled when no mesh is being read. */
-  private reading: Promise<unknown> = Promise.resolve();
-  /** When the meshes of the present turn began to be read. */
-  private turnFrom_ms = Number.NEGATIVE_INFINITY;
   readonly order = new LoadingOrder(() => this.firstSeen());
   /** Whether trees move by their tables without leaves; those that have none keep the other. */
   private bareWanted: boolean;
@@ -324,26 +316,11 @@ export class Catalogue {
     if (!mesh || mesh === entry.mesh) return;
     entry.mesh = mesh;
     const { builtin, grown = false, evergreen } = entry.tree;
-    const opened = await fetchMesh(mesh, () => this.order.meshArrived());
-    const model = await this.readInTurn(opened, { varied: builtin || grown, evergreen });
+    const kind = { varied: builtin || grown, evergreen };
+    const model = await fetchModel(mesh, kind, () => this.order.meshArrived());
     if (entry.mesh !== mesh) return;
     entry.asset.model = model;
     this.join(entry);
-  }
-
-  /** Reads one mesh at a time and lets frames and messages in between, so that the first tree moves at once. */
-  private readInTurn(opened: OpenedTree, kind: TreeKind): Promise<TreeModel> {
-    const turn = this.reading.then(() => this.nextTurn());
-    const model = turn.then(() => readTreeModel(opened, kind));
-    this.reading = model.catch(() => undefined);
-    return model;
-  }
-
-  /** A frame may take longer than several meshes, so these share a turn. */
-  private async nextTurn(): Promise<void> {
-    if (performance.now() - this.turnFrom_ms < TURN_MS) return;
-    await new Promise((done) => setTimeout(done));
-    this.turnFrom_ms = performance.now();
   }
 
   /** A full table may replace a preliminary one of the same mesh; the trees keep moving meanwhile. */

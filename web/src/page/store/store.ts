@@ -31,7 +31,7 @@ export interface PageState {
   growth: GrowthState;
   /** Whether the event stream of the server is open. `Catalogue`. */
   connected: boolean;
-  /** Whether a picture with trees has been drawn. `FrameLoop`. */
+  /** Whether trees have been seen to move. `FrameLoop`. */
   treesSeen: boolean;
   /** Whether nobody has looked at the page for a while. `followAttention`. */
   away: boolean;

@@ -1,6 +1,7 @@
 /** The ground: a disc, fine in the centre and coarse at the horizon. groundMaterial.ts holds its colour. */
 import { BufferAttribute, BufferGeometry, Mesh, type MeshLambertMaterial } from "three";
 import type { Pictures } from "../textures/pictures";
+import { vertexNormals } from "../treeModel/points";
 import { groundMaterial } from "./groundMaterial";
 import { glade, groundHeight_m } from "./landscape";
 
@@ -33,8 +34,9 @@ function discGeometry(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(position, 3));
   geometry.setAttribute("aMeadow", new BufferAttribute(meadow, 1));
-  geometry.setIndex(new BufferAttribute(ringIndex(RING_COUNT, SECTOR_COUNT), 1));
-  geometry.computeVertexNormals();
+  const index = ringIndex(RING_COUNT, SECTOR_COUNT);
+  geometry.setIndex(new BufferAttribute(index, 1));
+  geometry.setAttribute("normal", new BufferAttribute(vertexNormals(position, index), 3));
   return geometry;
 }
 

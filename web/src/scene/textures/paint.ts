@@ -22,18 +22,18 @@ function addNoise(picture: Float64Array, side: number, cells: number, seed: numb
   const at = lattice(cells, seed);
   const left = Int32Array.from({ length: side }, (_, x) => Math.floor((x * cells) / side));
   const weight = Float64Array.from(left, (cell, x) => smooth((x * cells) / side - cell));
+  const rows = new Float64Array(cells * side); // between the lattice points of each row
+  for (let i = 0; i < rows.length; i++) {
+    const x = i % side;
+    const row = cells * Math.floor(i / side);
+    const right = left[x] + 1 === cells ? 0 : left[x] + 1;
+    rows[i] = at[row + left[x]] * (1 - weight[x]) + at[row + right] * weight[x];
+  }
   for (let y = 0; y < side; y++) {
-    const row = cells * left[y];
-    const next = cells * ((left[y] + 1) % cells);
-    const v = weight[y];
-    for (let x = 0; x < side; x++) {
-      const cell = left[x];
-      const right = cell + 1 === cells ? 0 : cell + 1;
-      const u = weight[x];
-      const near = at[row + cell] * (1 - u) + at[row + right] * u;
-      const far = at[next + cell] * (1 - u) + at[next + right] * u;
-      picture[y * side + x] += share * (near * (1 - v) + far * v);
-    }
+    const near = side * left[y];
+    const far = side * ((left[y] + 1) % cells);
+    const [low, high] = [share * (1 - weight[y]), share * weight[y]];
+    for (let x = 0; x < side; x++) picture[y * side + x] += low * rows[near + x] + high * rows[far + x];
   }
 }
 
@@ -41,7 +41,10 @@ function addNoise(picture: Float64Array, side: number, cells: number, seed: numb
 function tileFractal(side: number, coarsest: number, seed: number): Float64Array {
   const sum = new Float64Array(side * side);
   for (let k = 0; k < 4; k++) addNoise(sum, side, coarsest * 2 ** k, seed + k, 2 ** -k);
-  return sum.map((value) => Math.min(1, Math.max(0, (value / 1.875 - 0.5) * 1.5 + 0.5)));
+  for (let at = 0; at < sum.length; at++) {
+    sum[at] = Math.min(1, Math.max(0, (sum[at] / 1.875 - 0.5) * 1.5 + 0.5));
+  }
+  return sum;
 }
 
 /** Three independent fractal noises in red, green and blue; a coarser one in alpha. */

@@ -1,9 +1,8 @@
-import type { BufferAttribute } from "three";
-
-/** Mean of the colours of a part; null without any. */
-export function meanColour(colour: BufferAttribute | null): [number, number, number] | null {
-  if (!colour || colour.count === 0) return null;
+/** Mean of the colours of a part, 3 numbers per vertex; null without any. */
+export function meanColour(colours: ArrayLike<number> | null): [number, number, number] | null {
+  if (!colours || colours.length === 0) return null;
   const sum: [number, number, number] = [0, 0, 0];
-  for (let i = 0; i < 3 * colour.count; i++) sum[i % 3] += colour.array[i];
-  return [sum[0] / colour.count, sum[1] / colour.count, sum[2] / colour.count];
+  for (let i = 0; i < colours.length; i++) sum[i % 3] += colours[i];
+  const count = colours.length / 3;
+  return [sum[0] / count, sum[1] / count, sum[2] / count];
 }

@@ -1,14 +1,21 @@
 /** Opens the mesh of a tree with the picture of its sprays, if it names one. */
-import { openMesh } from "galewood/trees";
-import { ImageBitmapLoader, type Object3D, SRGBColorSpace, Texture } from "three";
+import { type OpenedMeshes, openedMeshes, openMesh } from "galewood/trees";
+import { ImageBitmapLoader, SRGBColorSpace, Texture } from "three";
 import { type DrawnSprays, SPRAY_TILES } from "./sprayTiles";
 
-export interface OpenedTree {
-  readonly scene: Object3D;
+/** Pictures of a tree that are there. */
+export interface TreePictures {
   /** Eight sprays in tiles, as `leafSprays` draws them, and single leaves; null: the tree has leaf cards only. */
   readonly sprays: Texture | null;
   /** What that picture shows; null: sprays of needles, or none. */
-  readonly drawn: DrawnSprays | null;
+  readonly drawnSprays: DrawnSprays | null;
+}
+
+/** A tree whose meshes are there before its pictures. */
+export interface OpeningTree {
+  readonly meshes: Promise<OpenedMeshes>;
+  /** Settled when the materials have their pictures. */
+  readonly pictures: Promise<TreePictures>;
 }
 
 /** The pictures of the built-in species by their address, which the forms of a species share until one is disposed of. */
@@ -85,9 +92,17 @@ async function picture(url: string): Promise<Texture | null> {
   });
 }
 
-/** `base`: as for `openMesh`. A picture that cannot be loaded leaves the tree as it is in the file. */
-export async function openTree(bytes: ArrayBuffer, base: string): Promise<OpenedTree> {
+/** `base`: as for `openMesh`. A picture of sprays that cannot be loaded leaves the tree as it is in the file. */
+export function openTree(bytes: ArrayBuffer, base: string): OpeningTree {
   const extras = leafExtras(bytes);
   const sprays = typeof extras.sprays === "string" ? picture(new URL(extras.sprays, base).href) : null;
-  return { scene: await openMesh(bytes, base), sprays: await sprays, drawn: drawnIn(extras) };
+  let take: (opened: OpenedMeshes) => void = () => undefined;
+  const opened = new Promise<OpenedMeshes>((resolve) => {
+    take = resolve;
+  });
+  const whole = openMesh(bytes, base, (scene) => take(openedMeshes(scene)));
+  return {
+    meshes: Promise.race([opened, whole.then(() => opened)]),
+    pictures: whole.then(async () => ({ sprays: await sprays, drawnSprays: drawnIn(extras) })),
+  };
 }

@@ -1,7 +1,7 @@
 /** Precomputed shading of foliage: rounded normals, flutter weights. Pure. */
 import { type Components, petioles } from "./components";
 
-interface Point {
+export interface Point {
   x: number;
   y: number;
   z: number;

@@ -61,31 +61,41 @@ function keepPicture(texture: Texture, image: ImageBitmap): void {
 
 /**
  * Decodes the pictures inside of a GLB from its bytes. The loader would fetch them from object URLs, which a page whose
- * Content-Security-Policy lacks `connect-src blob:` forbids. Returns pictures that could not be read: materials go without them.
+ * Content-Security-Policy lacks `connect-src blob:` forbids. The meshes do not wait for pictures, which appear in their textures.
+ * Returns a promise of each picture.
  */
-function decoding(parser: GLTFParser): string[] {
+function decoding(parser: GLTFParser): Promise<void>[] {
   const inside = new Map<number, Promise<Texture>>();
-  const missing: string[] = [];
+  const arriving: Promise<void>[] = [];
   const byLoader = parser.loadImageSource.bind(parser);
   const decoded = async (bufferView: number, type: string): Promise<Texture> => {
     const bytes: ArrayBuffer = await parser.getDependency("bufferView", bufferView);
-    const texture = new Texture(await createImageBitmap(new Blob([bytes], { type }), AS_STORED));
-    texture.needsUpdate = true;
-    return texture;
+    return new Texture(await createImageBitmap(new Blob([bytes], { type }), AS_STORED));
   };
   parser.loadImageSource = (index, loader) => {
     const { bufferView, mimeType, uri } = parser.json.images[index];
-    let texture = inside.get(index)?.then((first) => first.clone());
+    let picture = inside.get(index);
     // old browsers get a loader without bitmaps, as theirs are faulty
-    if (bufferView === undefined || !("isImageBitmapLoader" in loader)) texture = byLoader(index, loader);
-    else if (!texture) {
-      texture = decoded(bufferView, mimeType);
-      inside.set(index, texture);
+    if (bufferView === undefined || !("isImageBitmapLoader" in loader)) picture = byLoader(index, loader);
+    else if (!picture) {
+      picture = decoded(bufferView, mimeType);
+      inside.set(index, picture);
     }
-    texture.catch((error: unknown) => missing.push(`${uri ?? index}: ${error}`));
-    return texture;
+    const texture = new Texture();
+    const filled = picture.then(
+      ({ image }) => {
+        texture.image = image;
+        texture.needsUpdate = true;
+      },
+      (error: unknown) => {
+        throw new Error(`no picture ${uri ?? index}: ${error}`);
+      },
+    );
+    filled.catch(() => undefined); // as long as nobody waits for it
+    arriving.push(filled);
+    return Promise.resolve(texture);
   };
-  return missing;
+  return arriving;
 }
 
 /** The same picture in two textures is kept once. */
@@ -107,20 +117,25 @@ function explained(error: unknown): never {
 
 /**
  * The scene of a GLB; throws if it is invalid or lacks a picture. `base`: the address to which those of its pictures are
- * relative, up to the last slash.
+ * relative, up to the last slash. `meshesThere`: called with the scene while its pictures are still on their way.
  */
-export async function openMesh(bytes: ArrayBuffer, base = ""): Promise<Object3D> {
-  let missing: string[] = [];
+export async function openMesh(
+  bytes: ArrayBuffer,
+  base = "",
+  meshesThere?: (scene: Object3D) => void,
+): Promise<Object3D> {
+  let arriving: Promise<void>[] = [];
   const asked = new Set<string>();
   const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register((parser) => {
     const inner = parser.textureLoader;
     if ("isImageBitmapLoader" in inner) parser.textureLoader = sharing(inner, asked);
-    missing = decoding(parser);
+    arriving = decoding(parser);
     return { name: "pictures" };
   });
   try {
     const { scene } = await loader.parseAsync(bytes, base).catch(explained);
-    if (missing[0]) throw new Error(`no picture ${missing[0]}`);
+    meshesThere?.(scene);
+    await Promise.all(arriving);
     scene.traverse((object) => {
       if (object instanceof Mesh) share(object.material as Material);
     });

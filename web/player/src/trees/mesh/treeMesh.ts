@@ -1,4 +1,4 @@
-/** Reads a normalised GLB into the parts that the forest draws. */
+/** The parts of a normalised GLB as they are drawn. */
 import {
   BufferAttribute,
   type BufferGeometry,
@@ -7,47 +7,21 @@ import {
   type MeshStandardMaterial,
   type Object3D,
   Texture,
-  Vector3,
 } from "three";
-import { hashUnit } from "../../core/math/random";
-import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
-import { COMMON_KEY } from "../variantShader";
-import {
-  type Components,
-  connectedComponents,
-  holders,
-  petioles,
-  separate,
-  weldedComponents,
-} from "./components";
-import { leafFreedom, roundNormals } from "./foliage";
-import type { PartGeometry } from "./limbs";
+import { separate } from "./components";
+import { type MeshArrays, type PartArrays, readMeshes } from "./partArrays";
 import type { SingleLeaves } from "./singleLeaves";
 
-/** Wood moves with its branch; leaves also flutter and are lit from both sides. */
-export type Part = "wood" | "leaves";
-
-export interface TreePart {
-  readonly kind: Part;
-  readonly vertices: number;
+/** A part as it is drawn; partArrays.ts says what its attributes are. */
+export interface TreePart extends Pick<PartArrays, "kind" | "vertices" | "hold" | "counts"> {
   readonly material: MeshStandardMaterial;
   readonly normal: BufferAttribute;
   readonly uv: BufferAttribute | null;
-  /** Linear colours (red, green, blue) by which the material's colour is multiplied; null: none. */
   readonly colour: BufferAttribute | null;
   readonly position: BufferAttribute;
-  /** The point to which the vertex's leaf or branch shrinks, and the key of its limb (limbKeys.ts). */
   readonly anchor: BufferAttribute;
-  /**
-   * Random number of the piece, openness to the sky (0..1; 1 unless the reader of a scene knows it), freedom of the leaf vertex to
-   * flutter, rank of the piece.
-   */
   readonly piece: BufferAttribute;
-  /** The vertex whose node each vertex uses: a small leaf is bound to a single node, so that it keeps its shape. */
-  readonly hold: Uint32Array;
-  /** Triangles sorted by rank, and the number of indices drawn at each level of detail. */
   readonly index: BufferAttribute;
-  readonly counts: readonly number[];
 }
 
 /** What is drawn in addition to a part of the file. Its `hold` names vertices of that part. */
@@ -81,12 +55,16 @@ export interface TreeModel {
   readonly radius_m: number;
 }
 
-const isMesh = (object: Object3D): object is Mesh<BufferGeometry, MeshStandardMaterial> =>
-  object instanceof Mesh;
+type DrawnMesh = Mesh<BufferGeometry, MeshStandardMaterial>;
+
+const isMesh = (object: Object3D): object is DrawnMesh => object instanceof Mesh;
+
+/** Kinds of primitives that come after the wood. */
+const KINDS = ["twigs", "leaves"];
 
 /** Meshes in table order (wood_0, wood_1, …, twigs_0, …, leaves_0, …), which is the order in the file. */
-function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[] {
-  const meshes: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
+function meshesOf(scene: Object3D): DrawnMesh[] {
+  const meshes: DrawnMesh[] = [];
   scene.traverse((object) => {
     if (isMesh(object)) meshes.push(object);
   });
@@ -95,133 +73,79 @@ function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[]
   return meshes.sort((a, b) => rank(a) - rank(b));
 }
 
-/** Kinds of primitives that come after the wood. Twigs are drawn like wood: they stay when leaves have fallen. */
-const KINDS = ["twigs", "leaves"];
-const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leaves" : "wood");
+type Attribute = BufferAttribute | InterleavedBufferAttribute;
 
-function floats(
-  attribute: { count: number; itemSize: number } & Pick<BufferAttribute, "getComponent">,
-): Float32Array {
-  const { array, normalized, data } = attribute as Partial<BufferAttribute & InterleavedBufferAttribute>;
-  if (array instanceof Float32Array && !normalized && !data) return array.slice();
-  const { count, itemSize } = attribute;
-  return rowsOf(attribute, count, itemSize);
-}
-
-/** The first `columns` components of each row, as three.js reads them. */
-function rowsOf(from: Pick<BufferAttribute, "getComponent">, rows: number, columns: number): Float32Array {
-  const out = new Float32Array(rows * columns);
-  for (let row = 0, i = 0; row < rows; row++) {
-    for (let column = 0; column < columns; column++, i++) out[i] = from.getComponent(row, column);
+/** The first `columns` components of each vertex, as three.js reads them. */
+function rowsOf(attribute: Attribute, columns: number): Float32Array {
+  const { array, normalized, data, itemSize } = attribute as BufferAttribute &
+    Partial<InterleavedBufferAttribute>;
+  if (array instanceof Float32Array && !normalized && !data && itemSize === columns) return array.slice();
+  const out = new Float32Array(attribute.count * columns);
+  for (let row = 0, i = 0; row < attribute.count; row++) {
+    for (let column = 0; column < columns; column++, i++) out[i] = attribute.getComponent(row, column);
   }
   return out;
 }
 
-interface PieceDetail {
-  readonly of: Components;
-  readonly ranks: Float32Array;
-  readonly anchors: Float32Array;
-}
-
-const leafDetail = (of: Components, positions: Float32Array): PieceDetail => ({
-  of,
-  ranks: leafRanks(of),
-  anchors: petioles(of, positions),
-});
-
-/** A bare tree consists of branches only: they keep rank 0 and are always drawn. */
-function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boolean): PieceDetail {
-  const of = weldedComponents(index, positions);
-  const ranks = bare ? new Float32Array(of.count) : woodRanks(of, positions);
-  return { of, ranks, anchors: branchBases(of, positions) };
-}
-
-/** A part with the pieces that its variants are made from. */
-export interface ReadPart {
-  readonly part: TreePart;
-  readonly geometry: PartGeometry;
-}
-
-function partFrom(
-  mesh: Mesh<BufferGeometry, MeshStandardMaterial>,
-  centre: Vector3,
-  bare: boolean,
-): ReadPart {
-  const { geometry } = mesh;
-  const kind = kindOf(mesh);
+function arraysOf({ name, geometry }: DrawnMesh): MeshArrays {
   if (!geometry.getAttribute("normal")) geometry.computeVertexNormals();
-  const positions = floats(geometry.getAttribute("position") as BufferAttribute);
-  const vertices = positions.length / 3;
-  const index = geometry.index?.array ?? separate(vertices);
-  const pieces = connectedComponents(index, vertices);
-  const leaves = kind === "leaves";
-  const normals = floats(geometry.getAttribute("normal") as BufferAttribute);
-  const reach = leaves ? leafFreedom(pieces, positions) : new Float32Array(vertices);
-  const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
-  const piece = new Float32Array(vertices * 4);
-  const anchor = new Float32Array(vertices * 4).fill(COMMON_KEY);
-  for (let v = 0; v < vertices; v++) {
-    piece[4 * v] = hashUnit(pieces.ofVertex[v], 3);
-    piece[4 * v + 1] = 1;
-    piece[4 * v + 2] = reach[v];
-    piece[4 * v + 3] = ranks[of.ofVertex[v]];
-    for (let axis = 0; axis < 3; axis++) anchor[v * 4 + axis] = anchors[of.ofVertex[v] * 3 + axis];
-  }
-  const ranked = rankedIndex(index, (v) => ranks[of.ofVertex[v]]);
-  const uv = geometry.getAttribute("uv") as BufferAttribute | undefined;
-  const part: TreePart = {
+  const rows = (attribute: string, columns: number) => {
+    const given = geometry.getAttribute(attribute) as Attribute | undefined;
+    return given ? rowsOf(given, columns) : null;
+  };
+  const positions = rows("position", 3) ?? new Float32Array();
+  return {
+    name,
+    positions,
+    normals: rows("normal", 3) ?? new Float32Array(),
+    uvs: rows("uv", 2),
+    colours: rows("color", 3), // three.js calls the attribute so; without alpha
+    index: (geometry.index?.array as Uint16Array | undefined) ?? separate(positions.length / 3),
+  };
+}
+
+/** What an opened GLB contains, in table order: its meshes and the material of each. */
+export interface OpenedMeshes {
+  readonly meshes: readonly MeshArrays[];
+  readonly materials: readonly MeshStandardMaterial[];
+}
+
+/** The meshes of an opened GLB, whose geometries are disposed of; throws if it contains none. */
+export function openedMeshes(scene: Object3D): OpenedMeshes {
+  const drawn = meshesOf(scene);
+  if (drawn.length === 0) throw new Error("the tree's mesh file contains no mesh");
+  const meshes = drawn.map(arraysOf);
+  for (const { geometry } of drawn) geometry.dispose();
+  return { meshes, materials: drawn.map(({ material }) => material) };
+}
+
+/** The part as it is drawn with this material. */
+export function drawnPart(part: PartArrays, material: MeshStandardMaterial): TreePart {
+  const { kind, vertices, hold, counts } = part;
+  const attribute = (array: Float32Array | Uint32Array, size: number) => new BufferAttribute(array, size);
+  return {
     kind,
     vertices,
-    material: mesh.material,
-    normal: new BufferAttribute(leaves ? roundNormals(positions, normals, centre) : normals, 3),
-    uv: uv ? new BufferAttribute(floats(uv), 2) : null,
-    colour: colourOf(geometry),
-    position: new BufferAttribute(positions, 3),
-    anchor: new BufferAttribute(anchor, 4),
-    piece: new BufferAttribute(piece, 4),
-    hold: leaves ? holders(pieces) : separate(vertices),
-    index: new BufferAttribute(ranked.index, 1),
-    counts: ranked.counts,
+    hold,
+    counts,
+    material,
+    normal: attribute(part.normals, 3),
+    uv: part.uvs && attribute(part.uvs, 2),
+    colour: part.colours && attribute(part.colours, 3),
+    position: attribute(part.positions, 3),
+    anchor: attribute(part.anchors, 4),
+    piece: attribute(part.pieces, 4),
+    index: attribute(part.index, 1),
   };
-  const partKind = leaves ? "leaves" : isTwigs(mesh) ? "twigs" : "wood";
-  return { part, geometry: { kind: partKind, positions, index, pieces: of } };
-}
-
-/** Colours of the vertices without their alpha; three.js calls the attribute "color". */
-function colourOf(geometry: BufferGeometry): BufferAttribute | null {
-  const given = geometry.getAttribute("color") as BufferAttribute | undefined;
-  if (!given) return null;
-  return new BufferAttribute(rowsOf(given, given.count, 3), 3);
-}
-
-const isTwigs = ({ name }: Object3D) => name.startsWith("twigs");
-
-/** The parts of an opened GLB, and the size of the tree; throws if it contains no mesh. */
-export function readParts(scene: Object3D): { read: ReadPart[]; height_m: number; radius_m: number } {
-  const meshes = meshesOf(scene);
-  if (meshes.length === 0) throw new Error("the tree's mesh file contains no mesh");
-  const low = new Vector3(Infinity, Infinity, Infinity);
-  const high = low.clone().negate();
-  for (const mesh of meshes) {
-    mesh.geometry.computeBoundingBox();
-    low.min(mesh.geometry.boundingBox?.min ?? low);
-    high.max(mesh.geometry.boundingBox?.max ?? high);
-  }
-  const radius_m = Math.max(Math.abs(low.x), Math.abs(low.z), high.x, high.z, 0.1);
-  const centre = new Vector3((low.x + high.x) / 2, 0.25 * low.y + 0.62 * high.y, (low.z + high.z) / 2);
-  const bare = meshes.every((mesh) => kindOf(mesh) === "wood"); // a tree without leaves
-  const read = meshes.map((mesh) => partFrom(mesh, centre, bare));
-  for (const mesh of meshes) mesh.geometry.dispose();
-  return { read, height_m: high.y, radius_m };
 }
 
 /** Reads an opened GLB: complete trees, without shoots in place of leaves. */
 export function readPlainTree(scene: Object3D): TreeModel {
-  const { read, height_m, radius_m } = readParts(scene);
-  const parts = read.map(({ part }) => part);
+  const { meshes, materials } = openedMeshes(scene);
+  const { read, height_m, radius_m } = readMeshes(meshes);
   return {
-    parts,
-    materials: parts.map(({ material }) => material),
+    parts: read.map(({ part }, k) => drawnPart(part, materials[k])),
+    materials,
     bare: [],
     added: [],
     near: [],

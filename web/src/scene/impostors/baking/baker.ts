@@ -41,7 +41,7 @@ function geometryOf(part: TreePart): BufferGeometry {
 
 /** From afar a tree painted by its vertices has their mean colour. */
 function evenly(color: Color, colour: BufferAttribute | null): Color {
-  const mean = meanColour(colour);
+  const mean = meanColour(colour?.array ?? null);
   return mean ? color.clone().multiply(new Color(...mean)) : color;
 }
 

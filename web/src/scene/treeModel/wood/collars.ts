@@ -3,7 +3,7 @@
  * widens towards it, most along the parent and more below than above, and runs into its surface. Drawn over the first length of the
  * bough, on whose surface it ends. Pure.
  */
-import { dot, minus, type Point, plus, pointAlong, unit } from "./points";
+import { dot, minus, type Point, plus, pointAlong, unit } from "../points";
 import type { Wood } from "./rootFlare";
 import { type AxisPlace, across, type BranchMesh, nearestOn, normalOf, type Tube } from "./tubes";
 

@@ -1,9 +1,9 @@
 /** What is drawn over the wood of a built-in tree: the flare at the foot of its stem, the collars of its boughs, dead branches. */
-import { type AddedPart, COMMON_KEY, type ReadPart, rankedIndex, type TreePart } from "galewood/trees";
-import { BufferAttribute, BufferGeometry } from "three";
+import { COMMON_KEY, type PartArrays, type ReadPart, rankedIndex } from "galewood/trees";
+import { meanColour } from "../meanColour";
+import { vertexNormals } from "../points";
 import { branchCollars } from "./collars";
 import { type DeadBranches, deadBranches } from "./deadBranches";
-import { meanColour } from "./meanColour";
 import { type FlareMesh, rootFlare, type Wood } from "./rootFlare";
 import { type BranchMesh, tubesOf } from "./tubes";
 
@@ -12,24 +12,22 @@ const FLARE_RANK = 0.3;
 /** The same of collars and dead branches: those of trees at the finest level of detail are drawn, no others. */
 const COLLAR_RANK = 0.6;
 
+/** What is drawn in addition to a part of the file. Its `hold` names vertices of that part. */
+export interface AddedArrays {
+  readonly part: PartArrays;
+  /** Index of the part. */
+  readonly of: number;
+}
+
 /** Vertices that all have the mean of other colours. */
-export function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribute | null {
+export function evenColour(of: Float32Array | null, vertices: number): Float32Array | null {
   const mean = meanColour(of);
-  if (!mean) return null;
-  return new BufferAttribute(
-    Float32Array.from({ length: 3 * vertices }, (_, i) => mean[i % 3]),
-    3,
-  );
+  return mean && Float32Array.from({ length: 3 * vertices }, (_, i) => mean[i % 3]);
 }
 
 /** Normals of a flare, which become those of the stem towards its top, so that no edge is seen there. */
 function flareNormals({ positions, stemNormals, share, index }: FlareMesh): Float32Array {
-  const bent = new BufferGeometry();
-  bent.setAttribute("position", new BufferAttribute(positions, 3));
-  bent.setIndex(new BufferAttribute(index, 1));
-  bent.computeVertexNormals();
-  const own = bent.getAttribute("normal").array;
-  return Float32Array.from(own, (n, i) => {
+  return vertexNormals(positions, index).map((n, i) => {
     const left = share[Math.floor(i / 3)];
     return left * n + (1 - left) * stemNormals[i];
   });
@@ -45,31 +43,29 @@ interface OverWood extends Omit<BranchMesh, "uvs"> {
  * which takes the place of the freedom to flutter that wood does not have.
  */
 function partOver(
-  part: TreePart,
+  part: PartArrays,
   mesh: OverWood,
-  anchor: Float32Array,
+  anchors: Float32Array,
   ranks: ArrayLike<number>,
   soil: ArrayLike<number>,
-): TreePart {
+): PartArrays {
   const { positions, normals, uvs, index, hold } = mesh;
   const vertices = hold.length;
-  const piece = new Float32Array(4 * vertices);
+  const pieces = new Float32Array(4 * vertices);
   hold.forEach((v, k) => {
-    piece.set([part.piece.getX(v), part.piece.getY(v), soil[k], ranks[k]], 4 * k);
+    pieces.set([part.pieces[4 * v], part.pieces[4 * v + 1], soil[k], ranks[k]], 4 * k);
   });
-  const ranked = rankedIndex(index, (k) => ranks[k]);
   return {
-    ...part,
+    kind: part.kind,
     vertices,
-    normal: new BufferAttribute(normals, 3),
-    uv: uvs && new BufferAttribute(uvs, 2),
-    colour: evenColour(part.colour, vertices),
-    position: new BufferAttribute(positions, 3),
-    anchor: new BufferAttribute(anchor, 4),
-    piece: new BufferAttribute(piece, 4),
+    normals,
+    uvs,
+    colours: evenColour(part.colours, vertices),
+    positions,
+    anchors,
+    pieces,
     hold,
-    index: new BufferAttribute(ranked.index, 1),
-    counts: ranked.counts,
+    ...rankedIndex(index, (k) => ranks[k]),
   };
 }
 
@@ -98,13 +94,12 @@ const ofFlare = ({ hold }: OverWood): Shrinking => ({
 });
 
 /** A collar shrinks with its bough, and earlier than most. */
-function ofCollars({ hold }: OverWood, { anchor, piece }: TreePart): Shrinking {
+function ofCollars({ hold }: OverWood, of: PartArrays): Shrinking {
   const anchors = new Float32Array(4 * hold.length);
-  const ofWood = anchor.array as Float32Array;
   hold.forEach((v, k) => {
-    anchors.set(ofWood.subarray(4 * v, 4 * v + 4), 4 * k);
+    anchors.set(of.anchors.subarray(4 * v, 4 * v + 4), 4 * k);
   });
-  return { anchors, ranks: Float32Array.from(hold, (v) => Math.max(COLLAR_RANK, piece.getW(v))) };
+  return { anchors, ranks: Float32Array.from(hold, (v) => Math.max(COLLAR_RANK, of.pieces[4 * v + 3])) };
 }
 
 /** A dead branch shrinks into the stem; some are missing on each tree. */
@@ -114,16 +109,11 @@ const ofDead = ({ hold, feet }: DeadBranches): Shrinking => ({
 });
 
 /** Flare, collars and dead branches of a tree; none where the stem has no round base or the branches are no tubes. */
-export function addedWood(read: readonly ReadPart[], evergreen: boolean): AddedPart[] {
+export function addedWood(read: readonly ReadPart[], evergreen: boolean): AddedArrays[] {
   const of = read.findIndex((one) => one.geometry.kind === "wood");
   if (of < 0) return [];
   const { part, geometry } = read[of];
-  const wood: Wood = {
-    positions: part.position.array as Float32Array,
-    normals: part.normal.array as Float32Array,
-    uvs: (part.uv?.array as Float32Array | undefined) ?? null,
-    index: geometry.index,
-  };
+  const wood: Wood = { ...part, index: geometry.index };
   const flare = rootFlare(wood);
   const tubes = tubesOf(wood, geometry.pieces.ofVertex);
   const collars = branchCollars(wood, tubes);

@@ -2,7 +2,7 @@
  * The branches of a built-in tree as rings: its generator writes each as a tube, ring after ring from its base on, whose last vertex
  * repeats the first one for the seam of the texture, and all vertices of a ring have the same second texture coordinate. Pure.
  */
-import { cross, dot, minus, type Point, plus, unit } from "./points";
+import { cross, dot, minus, type Point, plus, unit } from "../points";
 import type { Wood } from "./rootFlare";
 
 /** A branch: its rings from the base to the tip. */

@@ -3,7 +3,7 @@
  * them the higher, and most on evergreens, which shed them late. Drawn over the stem, which moves them. Pure.
  */
 import { hashUnit } from "galewood/random";
-import { between, cross, dot, minus, type Point, plus, pointAlong, unit } from "./points";
+import { between, cross, dot, minus, type Point, plus, pointAlong, unit } from "../points";
 import type { Wood } from "./rootFlare";
 import { across, type BranchMesh, type Tube } from "./tubes";
 
