@@ -99,11 +99,12 @@ export async function visitor(browser: Browser): Promise<Page> {
 
 export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?${query}`);
 
-/** Waits until all trees are displayed and move. */
+/** Waits until all trees are displayed and move, and the controls are there. */
 export async function forest(page: Page): Promise<void> {
   await page.waitForFunction(
     () => window.galewood?.allPlanted && window.galewood.trees.moving > 0 && window.galewood.time_s > 0.2,
   );
+  await expect(page.locator("body")).not.toHaveClass(/opening/);
 }
 
 /** Waits until the distant trees are baked and in place. */
