@@ -62,11 +62,11 @@ function keepPicture(texture: Texture, image: ImageBitmap): void {
 /**
  * Decodes the pictures inside of a GLB from its bytes. The loader would fetch them from object URLs, which a page whose
  * Content-Security-Policy lacks `connect-src blob:` forbids. The meshes do not wait for pictures, which appear in their textures.
- * Returns a promise of each picture.
+ * Returns what is wrong with each picture, once that is known.
  */
-function decoding(parser: GLTFParser): Promise<void>[] {
+function decoding(parser: GLTFParser): Promise<string>[] {
   const inside = new Map<number, Promise<Texture>>();
-  const arriving: Promise<void>[] = [];
+  const arriving: Promise<string>[] = [];
   const byLoader = parser.loadImageSource.bind(parser);
   const decoded = async (bufferView: number, type: string): Promise<Texture> => {
     const bytes: ArrayBuffer = await parser.getDependency("bufferView", bufferView);
@@ -82,17 +82,12 @@ function decoding(parser: GLTFParser): Promise<void>[] {
       inside.set(index, picture);
     }
     const texture = new Texture();
-    const filled = picture.then(
-      ({ image }) => {
-        texture.image = image;
-        texture.needsUpdate = true;
-      },
-      (error: unknown) => {
-        throw new Error(`no picture ${uri ?? index}: ${error}`);
-      },
-    );
-    filled.catch(() => undefined); // as long as nobody waits for it
-    arriving.push(filled);
+    const filled = picture.then(({ image }) => {
+      texture.image = image;
+      texture.needsUpdate = true;
+      return "";
+    });
+    arriving.push(filled.catch((error: unknown) => `no picture ${uri ?? index}: ${error}`));
     return Promise.resolve(texture);
   };
   return arriving;
@@ -124,7 +119,7 @@ export async function openMesh(
   base = "",
   meshesThere?: (scene: Object3D) => void,
 ): Promise<Object3D> {
-  let arriving: Promise<void>[] = [];
+  let arriving: Promise<string>[] = [];
   const asked = new Set<string>();
   const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register((parser) => {
     const inner = parser.textureLoader;
@@ -135,7 +130,7 @@ export async function openMesh(
   try {
     const { scene } = await loader.parseAsync(bytes, base).catch(explained);
     meshesThere?.(scene);
-    await Promise.all(arriving);
+    for (const fault of await Promise.all(arriving)) if (fault) throw new Error(fault);
     scene.traverse((object) => {
       if (object instanceof Mesh) share(object.material as Material);
     });

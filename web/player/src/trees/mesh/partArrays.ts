@@ -83,13 +83,19 @@ function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boo
   return { of, ranks, anchors: branchBases(of, positions) };
 }
 
-/** What a mesh is, by its name. Twigs are drawn like wood: they stay when leaves have fallen. */
-const kindOf = ({ name }: MeshArrays): PartGeometry["kind"] =>
-  (["twigs", "leaves"] as const).find((kind) => name.startsWith(kind)) ?? "wood";
+/** Kinds of meshes in table order. Twigs are drawn like wood: they stay when leaves have fallen. */
+const KINDS = ["wood", "twigs", "leaves"] as const;
+
+/** What a mesh is, by its name, as an index of `KINDS`. */
+export const kindOf = (name: string): number =>
+  Math.max(
+    0,
+    KINDS.findIndex((kind) => name.startsWith(kind)),
+  );
 
 function partFrom(mesh: MeshArrays, centre: Point, bare: boolean): ReadPart {
   const { positions, normals, uvs, colours, index } = mesh;
-  const kind = kindOf(mesh);
+  const kind = KINDS[kindOf(mesh.name)];
   const leaves = kind === "leaves";
   const vertices = positions.length / 3;
   const connected = connectedComponents(index, vertices);
@@ -120,25 +126,18 @@ function partFrom(mesh: MeshArrays, centre: Point, bare: boolean): ReadPart {
   return { part, geometry: { kind, positions, index, pieces: of } };
 }
 
-/** Lowest and highest coordinate of all vertices along each axis. */
-function extent(meshes: readonly MeshArrays[]): { low: number[]; high: number[] } {
+/** The parts of meshes in table order. */
+export function readMeshes(meshes: readonly MeshArrays[]): ReadMeshes {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (const { positions } of meshes) {
     for (let i = 0; i < positions.length; i++) {
-      const axis = i % 3;
-      if (positions[i] < low[axis]) low[axis] = positions[i];
-      if (positions[i] > high[axis]) high[axis] = positions[i];
+      low[i % 3] = Math.min(low[i % 3], positions[i]);
+      high[i % 3] = Math.max(high[i % 3], positions[i]);
     }
   }
-  return { low, high };
-}
-
-/** The parts of meshes in table order. */
-export function readMeshes(meshes: readonly MeshArrays[]): ReadMeshes {
-  const { low, high } = extent(meshes);
   const centre = { x: (low[0] + high[0]) / 2, y: 0.25 * low[1] + 0.62 * high[1], z: (low[2] + high[2]) / 2 };
-  const bare = meshes.every((mesh) => kindOf(mesh) !== "leaves");
+  const bare = !meshes.some(({ name }) => KINDS[kindOf(name)] === "leaves");
   return {
     read: meshes.map((mesh) => partFrom(mesh, centre, bare)),
     height_m: high[1],

@@ -9,7 +9,7 @@ import {
   Texture,
 } from "three";
 import { separate } from "./components";
-import { type MeshArrays, type PartArrays, readMeshes } from "./partArrays";
+import { kindOf, type MeshArrays, type PartArrays, readMeshes } from "./partArrays";
 import type { SingleLeaves } from "./singleLeaves";
 
 /** A part as it is drawn; partArrays.ts says what its attributes are. */
@@ -59,17 +59,13 @@ type DrawnMesh = Mesh<BufferGeometry, MeshStandardMaterial>;
 
 const isMesh = (object: Object3D): object is DrawnMesh => object instanceof Mesh;
 
-/** Kinds of primitives that come after the wood. */
-const KINDS = ["twigs", "leaves"];
-
 /** Meshes in table order (wood_0, wood_1, …, twigs_0, …, leaves_0, …), which is the order in the file. */
 function meshesOf(scene: Object3D): DrawnMesh[] {
   const meshes: DrawnMesh[] = [];
   scene.traverse((object) => {
     if (isMesh(object)) meshes.push(object);
   });
-  const rank = ({ name }: Mesh) =>
-    1e6 * (KINDS.findIndex((kind) => name.startsWith(kind)) + 1) + Number(/(\d+)$/.exec(name)?.[1] ?? 0);
+  const rank = ({ name }: Mesh) => 1e6 * kindOf(name) + Number(/\d*$/.exec(name));
   return meshes.sort((a, b) => rank(a) - rank(b));
 }
 
@@ -77,9 +73,8 @@ type Attribute = BufferAttribute | InterleavedBufferAttribute;
 
 /** The first `columns` components of each vertex, as three.js reads them. */
 function rowsOf(attribute: Attribute, columns: number): Float32Array {
-  const { array, normalized, data, itemSize } = attribute as BufferAttribute &
-    Partial<InterleavedBufferAttribute>;
-  if (array instanceof Float32Array && !normalized && !data && itemSize === columns) return array.slice();
+  const { array, itemSize } = attribute;
+  if (array instanceof Float32Array && itemSize === columns && !("data" in attribute)) return array.slice();
   const out = new Float32Array(attribute.count * columns);
   for (let row = 0, i = 0; row < attribute.count; row++) {
     for (let column = 0; column < columns; column++, i++) out[i] = attribute.getComponent(row, column);
@@ -93,11 +88,11 @@ function arraysOf({ name, geometry }: DrawnMesh): MeshArrays {
     const given = geometry.getAttribute(attribute) as Attribute | undefined;
     return given ? rowsOf(given, columns) : null;
   };
-  const positions = rows("position", 3) ?? new Float32Array();
+  const positions = rows("position", 3) as Float32Array;
   return {
     name,
     positions,
-    normals: rows("normal", 3) ?? new Float32Array(),
+    normals: rows("normal", 3) as Float32Array,
     uvs: rows("uv", 2),
     colours: rows("color", 3), // three.js calls the attribute so; without alpha
     index: (geometry.index?.array as Uint16Array | undefined) ?? separate(positions.length / 3),
@@ -121,21 +116,18 @@ export function openedMeshes(scene: Object3D): OpenedMeshes {
 
 /** The part as it is drawn with this material. */
 export function drawnPart(part: PartArrays, material: MeshStandardMaterial): TreePart {
-  const { kind, vertices, hold, counts } = part;
+  const { normals, uvs, colours, positions, anchors, pieces, index, ...same } = part;
   const attribute = (array: Float32Array | Uint32Array, size: number) => new BufferAttribute(array, size);
   return {
-    kind,
-    vertices,
-    hold,
-    counts,
+    ...same,
     material,
-    normal: attribute(part.normals, 3),
-    uv: part.uvs && attribute(part.uvs, 2),
-    colour: part.colours && attribute(part.colours, 3),
-    position: attribute(part.positions, 3),
-    anchor: attribute(part.anchors, 4),
-    piece: attribute(part.pieces, 4),
-    index: attribute(part.index, 1),
+    normal: attribute(normals, 3),
+    uv: uvs && attribute(uvs, 2),
+    colour: colours && attribute(colours, 3),
+    position: attribute(positions, 3),
+    anchor: attribute(anchors, 4),
+    piece: attribute(pieces, 4),
+    index: attribute(index, 1),
   };
 }
 
