@@ -84,18 +84,18 @@ function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boo
 }
 
 /** Kinds of meshes in table order. Twigs are drawn like wood: they stay when leaves have fallen. */
-const KINDS = ["wood", "twigs", "leaves"] as const;
+const TABLE_ORDER = ["wood", "twigs", "leaves"] as const;
 
-/** What a mesh is, by its name, as an index of `KINDS`. */
+/** What a mesh is, by its name, as an index of `TABLE_ORDER`. */
 export const kindOf = (name: string): number =>
   Math.max(
     0,
-    KINDS.findIndex((kind) => name.startsWith(kind)),
+    TABLE_ORDER.findIndex((kind) => name.startsWith(kind)),
   );
 
 function partFrom(mesh: MeshArrays, centre: Point, bare: boolean): ReadPart {
   const { positions, normals, uvs, colours, index } = mesh;
-  const kind = KINDS[kindOf(mesh.name)];
+  const kind = TABLE_ORDER[kindOf(mesh.name)];
   const leaves = kind === "leaves";
   const vertices = positions.length / 3;
   const connected = connectedComponents(index, vertices);
@@ -137,7 +137,7 @@ export function readMeshes(meshes: readonly MeshArrays[]): ReadMeshes {
     }
   }
   const centre = { x: (low[0] + high[0]) / 2, y: 0.25 * low[1] + 0.62 * high[1], z: (low[2] + high[2]) / 2 };
-  const bare = !meshes.some(({ name }) => KINDS[kindOf(name)] === "leaves");
+  const bare = !meshes.some(({ name }) => TABLE_ORDER[kindOf(name)] === "leaves");
   return {
     read: meshes.map((mesh) => partFrom(mesh, centre, bare)),
     height_m: high[1],
