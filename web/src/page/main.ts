@@ -59,8 +59,8 @@ function openedSettings(software: boolean): { settings: Settings; defaults: Sett
 }
 
 /**
- * Looking at the graphics and making the scene occupy the page, so the first tree is asked for before the scene is made, and is being
- * read before the rest is, unless the server takes longer.
+ * Making the scene occupies the page, so the first tree is asked for before the scene is made, and is being read before the land gets its
+ * shape, unless the server takes longer.
  */
 const SERVER_PATIENCE_MS = 400;
 
@@ -89,8 +89,9 @@ async function start(): Promise<void> {
   checkWind();
   checkTrees();
   connectSheets(settings.panel);
-  await Promise.race([order.firstArrives, wait(SERVER_PATIENCE_MS)]);
   const world = new World(store, trees.client);
+  await Promise.race([order.firstArrives, wait(SERVER_PATIENCE_MS)]);
+  world.stage.shapeLand();
   const page = openPage(store, world, trees.catalogue, uploads, files);
   exposeProbe(page);
   if (settings.panel) showHint(() => localStorage);

@@ -39,6 +39,8 @@ import { Pictures } from "./textures/pictures";
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 /** Pixels drawn per pixel of the screen, along each side: low quality draws about half of them on screens of ordinary density. */
 const SHARPNESS: Record<Quality, number> = { low: 0.75, medium: 1, high: 1 };
+/** The same, relative to that, in the first pictures, which processors take long to draw. */
+const FIRST_SHARPNESS: Record<Quality, number> = { low: 0.5, medium: 1, high: 1 };
 /** While the camera stands still, shadows are drawn again after this many pictures. */
 const SHADOW_PERIOD: Record<Quality, number> = { low: 3, medium: 1, high: 1 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [22, 58], high: [48, 112] };
@@ -81,7 +83,7 @@ export class Stage {
   private quality: Quality;
   /** Whether the next pictures have all pixels of the screen at any quality, for a photo. */
   sharp = false;
-  private drawnSharp = false;
+  private drawnSharpness = 1;
   /** At high quality only. */
   private occlusion: AmbientOcclusion | null = null;
   /** Number of pictures that show the present shadows; infinite if these are outdated. */
@@ -129,6 +131,12 @@ export class Stage {
     this.resize();
   }
 
+  /** Computes the shape of the land and the noise of sky and ground, which takes a while. Call before the first picture. */
+  shapeLand(): void {
+    this.terrain.shape();
+    this.pictures.paintNoise();
+  }
+
   private orbit(): OrbitControls {
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.target.copy(EDGE_VIEW.target);
@@ -146,14 +154,19 @@ export class Stage {
     const width = Math.max(1, this.canvas.clientWidth);
     const height = Math.max(1, this.canvas.clientHeight);
     const { quality } = this;
-    this.drawnSharp = this.sharp;
-    const sharpness = this.sharp ? 1 : SHARPNESS[quality];
-    this.renderer.setPixelRatio(Math.min(sharpness * devicePixelRatio, PIXEL_RATIO[quality]));
+    this.drawnSharpness = this.sharpness;
+    this.renderer.setPixelRatio(Math.min(this.drawnSharpness * devicePixelRatio, PIXEL_RATIO[quality]));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     // On a portrait screen, keep the horizontal field of view of a square one.
     this.camera.fov = this.camera.aspect < 1 ? 58 : 46;
     this.camera.updateProjectionMatrix();
+  }
+
+  private get sharpness(): number {
+    if (this.sharp) return 1;
+    const isFirst = !this.cover.mesh.parent; // nothing grows yet
+    return SHARPNESS[this.quality] * (isFirst ? FIRST_SHARPNESS[this.quality] : 1);
   }
 
   private occlude(quality: Quality): void {
@@ -282,13 +295,21 @@ export class Stage {
 
   /** `dt_s`: time since the last picture, in which the exposure adapts. */
   render(dt_s: number): void {
-    if (this.sharp !== this.drawnSharp) this.resize(); // here, because it clears the canvas
+    if (this.sharpness !== this.drawnSharpness) this.resize(); // here, because it clears the canvas
     this.renderer.shadowMap.autoUpdate = this.isWhole && this.castsAnew();
     if (this.isWhole) this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     if (this.occlusion) this.occlusion.render();
     else this.renderer.render(this.scene, this.camera);
     this.pictures.paint();
+  }
+
+  /** Tells later whether the graphics have finished all that has been drawn until now. */
+  fence(): () => boolean {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    return () => !sync || gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) === gl.SIGNALED;
   }
 
   dispose(): void {

@@ -40,6 +40,8 @@ export class FrameLoop {
   frame = 0;
   /** Number of pictures with trees, as long as few have been drawn. */
   private withTrees = 0;
+  /** Whether the graphics have finished the last picture. */
+  private isFinished: () => boolean = () => true;
   private last_ms = performance.now();
   private reported_ms = 0;
 
@@ -65,6 +67,8 @@ export class FrameLoop {
     if (state.asleep || this.world.isUnseen) return;
     const frame_ms = now_ms - this.last_ms;
     if (!isFrameDue(frame_ms, settings.frameRateLimit_hz)) return;
+    // The browser would have further pictures wait for slow graphics, while the trees have moved on.
+    if (!state.treesSeen && !this.isFinished()) return;
     const begin_ms = performance.now();
     const passed_s = state.stopped ? 0 : Math.min(MAX_FRAME_S, Math.max(0, frame_ms / 1000));
     this.last_ms = now_ms;
@@ -111,10 +115,15 @@ export class FrameLoop {
     return there || performance.now() > SURROUNDINGS_AFTER_MS ? 1 : 0;
   }
 
+  private countWithTrees(): void {
+    this.isFinished = this.world.stage.fence();
+    this.store.state.treesSeen = ++this.withTrees >= MOTION_PICTURES;
+  }
+
   private draw(passed_s: number): void {
     const { state } = this.store;
     if (this.world.draw(passed_s, this.waitsForTrees)) {
-      if (this.world.hasTrees && !state.treesSeen) state.treesSeen = ++this.withTrees >= MOTION_PICTURES;
+      if (this.world.hasTrees && !state.treesSeen) this.countWithTrees();
       for (const part of this.parts) part.drawn?.();
     }
     this.frame++;

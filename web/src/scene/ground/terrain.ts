@@ -60,14 +60,19 @@ export function ringIndex(rings: number, sectors: number): Uint32Array {
 }
 
 export class Terrain {
+  /** Empty until it is given its shape. */
   readonly mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
 
   constructor(pictures: Pictures) {
-    this.mesh = new Mesh(discGeometry(), groundMaterial(pictures));
+    this.mesh = new Mesh(new BufferGeometry(), groundMaterial(pictures));
     this.mesh.receiveShadow = true;
     // Drawn after the trees, which hide most of it.
     this.mesh.renderOrder = 5;
     this.mesh.matrixAutoUpdate = false;
+  }
+
+  shape(): void {
+    this.mesh.geometry = discGeometry();
   }
 
   dispose(): void {

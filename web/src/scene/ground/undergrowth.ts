@@ -48,7 +48,6 @@ export class Undergrowth {
   private layers: Layer[] = [];
   private trunks = new Trunks(new Float32Array(0));
   private season: Season = "autumn";
-  private quality: Quality | null = null;
   private readonly shared = {
     uSeconds: { value: 0 },
     uEye: { value: new Vector3() },
@@ -56,23 +55,25 @@ export class Undergrowth {
   };
 
   constructor(
-    quality: Quality,
+    private quality: Quality,
     private readonly pictures: { readonly plants: Texture; readonly noise: Texture },
     private readonly wind: GroundWind,
-  ) {
-    this.setQuality(quality);
-  }
+  ) {}
 
   setQuality(quality: Quality): void {
     if (quality === this.quality) return;
     this.quality = quality;
     this.clear();
-    this.layers = PLANT_KINDS.flatMap((kind) => this.layer(kind, quality));
+  }
+
+  private grow(): void {
+    this.layers = PLANT_KINDS.flatMap((kind) => this.layer(kind));
     this.group.add(...this.layers.map(({ mesh }) => mesh));
     this.dress();
   }
 
-  private layer(kind: PlantKind, quality: Quality): Layer[] {
+  private layer(kind: PlantKind): Layer[] {
+    const { quality } = this;
     const { shape, cells, castsShadow } = KIND_LOOKS[kind];
     const own = cells[quality];
     if (!own) return [];
@@ -182,8 +183,9 @@ export class Undergrowth {
     }
   }
 
-  /** Follows the camera. */
+  /** Follows the camera. The plants are made when this is first called. */
   update(eye: Vector3, time_s: number): void {
+    if (this.layers.length === 0) this.grow();
     this.shared.uEye.value.copy(eye);
     this.shared.uSeconds.value = time_s % 1000;
     for (const { field, mesh } of this.layers) if (mesh.visible) field.update(eye);

@@ -9,7 +9,7 @@ import {
 } from "three";
 import type { Quality } from "../quality";
 import { type LandPicture, type LandPictures, paintLand } from "./landPictures";
-import { paintNoise } from "./paint";
+import { type Picture, paintNoise } from "./paint";
 
 const NOISE_PX = 256;
 /**
@@ -46,7 +46,8 @@ function fill(texture: DataTexture, { width, height, pixels }: LandPicture): voi
 }
 
 export class Pictures {
-  readonly noisePicture = paintNoise(NOISE_PX);
+  /** Empty until it is painted. */
+  readonly noisePicture: Picture = { side: NOISE_PX, pixels: new Uint8Array(4 * NOISE_PX ** 2) };
   readonly noise = smoothed(tiled(new DataTexture(this.noisePicture.pixels, NOISE_PX, NOISE_PX)), false);
   /** Mean colours of the pictures until those arrive; plants are transparent. */
   readonly litter = smoothed(tiled(plain(107, 70, 32, 255)), true);
@@ -57,7 +58,12 @@ export class Pictures {
   private painter: Worker | null = null;
   private painted = false;
 
-  /** Paints the pictures, once. Painting takes as long as the rest of the start, so it begins when trees are seen. */
+  paintNoise(): void {
+    this.noisePicture.pixels.set(paintNoise(NOISE_PX).pixels);
+    this.noise.needsUpdate = true;
+  }
+
+  /** Paints the other pictures, once. Painting takes as long as the rest of the start, so it begins when trees are seen. */
   paint(): void {
     if (this.painted) return;
     this.painted = true;

@@ -26,9 +26,13 @@ function weighed({ nodeBasis, nodeTurn, modeScale, metadata }: Table): Float32Ar
   return rows;
 }
 
-function squaredDistance(rows: Float32Array, width: number, a: number, b: number): number {
+/** Squared distance of two rows, or a part of it that is `most` or more. */
+function squaredDistance(rows: Float32Array, width: number, a: number, b: number, most: number): number {
   let sum = 0;
-  for (let k = 0; k < width; k++) sum += (rows[a * width + k] - rows[b * width + k]) ** 2;
+  for (let k = 0; k < width && sum < most; k++) {
+    const apart = rows[a * width + k] - rows[b * width + k];
+    sum += apart * apart;
+  }
   return sum;
 }
 
@@ -44,7 +48,7 @@ export function groupRows(rows: Float32Array, width: number, numbers: readonly n
   let centre = 0;
   for (let g = 0; g < Math.max(...numbers); g++) {
     for (let row = 0; row < count; row++) {
-      const d = squaredDistance(rows, width, row, centre);
+      const d = squaredDistance(rows, width, row, centre, distance[row]);
       if (d >= distance[row]) continue;
       distance[row] = d;
       group[row] = g;

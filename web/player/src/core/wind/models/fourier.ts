@@ -27,14 +27,11 @@ export function rootsOfUnity(n: number): Roots {
   return { cosine, sine };
 }
 
-function reversedIndex(index: number, n: number): number {
-  let i = index;
-  let j = 0;
-  for (let bit = 1; bit < n; bit <<= 1) {
-    j = (j << 1) | (i & 1);
-    i >>= 1;
-  }
-  return j;
+/** The numbers below n with their bits in reverse order. */
+function reversedIndices(n: number): Uint32Array {
+  const reversed = new Uint32Array(n);
+  for (let i = 1; i < n; i++) reversed[i] = (reversed[i >> 1] >> 1) | (i & 1 ? n >> 1 : 0);
+  return reversed;
 }
 
 function swap(values: Float64Array, i: number, j: number): void {
@@ -52,9 +49,10 @@ export function transformRows(
   { cosine, sine }: Roots,
   sign: number,
 ): void {
+  const reversed = reversedIndices(columns);
   for (let row = 0; row < rows * columns; row += columns) {
     for (let i = 0; i < columns; i++) {
-      const j = reversedIndex(i, columns);
+      const j = reversed[i];
       if (i < j) {
         swap(re, row + i, row + j);
         swap(im, row + i, row + j);
@@ -88,8 +86,9 @@ export function transformColumns(
   { cosine, sine }: Roots,
   sign: number,
 ): void {
+  const reversed = reversedIndices(rows);
   for (let i = 0; i < rows; i++) {
-    const j = reversedIndex(i, rows);
+    const j = reversed[i];
     if (i >= j) continue;
     for (let x = 0; x < columns; x++) {
       swap(re, i * columns + x, j * columns + x);
