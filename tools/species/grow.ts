@@ -21,8 +21,8 @@ export function drawSprays({ leaf, habit }: Species): Uint8Array {
 }
 
 /** What that picture shows, as JSON; null for needles. */
-export function describeSprays({ leaf, habit }: Species): string | null {
-  const drawn = drawnSprays(leaf, habit.seed);
+export function describeSprays({ leaf, habit, foliage }: Species): string | null {
+  const drawn = drawnSprays(leaf, habit.seed, foliage.size_m);
   return drawn && `${JSON.stringify(drawn)}\n`;
 }
 

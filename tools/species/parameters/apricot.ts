@@ -114,6 +114,7 @@ export const apricot: Species = {
     leavesPerCard: 24,
     leavesPerSpray: 6,
     sideShoots: 4,
+    fuller: { sideShoots: 5, sideLength: 1, leavesPerCard: 34 },
     branchedSpray: false,
     angle_deg: 50,
   },

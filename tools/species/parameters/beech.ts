@@ -114,6 +114,7 @@ export const beech: Species = {
     leavesPerCard: 30,
     leavesPerSpray: 8,
     sideShoots: 4,
+    fuller: { sideShoots: 6, sideLength: 1, leavesPerCard: 44 },
     branchedSpray: false,
     angle_deg: 52,
   },

@@ -114,7 +114,7 @@ export const birch: Species = {
     leavesPerCard: 34,
     leavesPerSpray: 9,
     sideShoots: 4,
-    fuller: { sideShoots: 6, sideLength: 1, leavesPerCard: 74 },
+    fuller: { sideShoots: 6, sideLength: 1.05, leavesPerCard: 84 },
     branchedSpray: false,
     angle_deg: 50,
   },

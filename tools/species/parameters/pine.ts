@@ -114,6 +114,7 @@ export const pine: Species = {
     leavesPerCard: 300,
     leavesPerSpray: 220,
     sideShoots: 6,
+    fuller: { sideShoots: 9, sideLength: 1.1, leavesPerCard: 450 },
     branchedSpray: true,
     angle_deg: 34,
   },

@@ -60,6 +60,7 @@ export const sycamore: Species = {
       ],
     ],
     length: 0.185,
+    fuller: { sideShoots: 6, sideLength: 1.05, leavesPerCard: 30 },
     vein: [0.6, 0.7, 0.4],
     stem: [0.45, 0.24, 0.18],
   },

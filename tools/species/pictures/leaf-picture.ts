@@ -96,8 +96,8 @@ export function sprayPicture(look: LeafLook, seed: number): Picture {
   return drawSheet(SPRAYS, sprayLook(look), seed + 1);
 }
 
-/** What `sprayPicture` shows; null for needles. */
-export function drawnSprays(ofCards: LeafLook, seed: number): DrawnSprays | null {
+/** What `sprayPicture` shows; null for needles. `card_m`: side of the cards. */
+export function drawnSprays(ofCards: LeafLook, seed: number, card_m: number): DrawnSprays | null {
   const look = sprayLook(ofCards);
   const [single] = singleLeaf(look, look.palettes[0]).leaves;
   if (!single) return null;
@@ -124,7 +124,12 @@ export function drawnSprays(ofCards: LeafLook, seed: number): DrawnSprays | null
     };
   });
   const half = single.length * Math.max(...look.outline.map(([x]) => x));
-  return { half: rounded(half), petiole: rounded(single.length * look.petiole), tiles };
+  return {
+    half: rounded(half),
+    petiole: rounded(single.length * look.petiole),
+    petiole_m: rounded(card_m * ofCards.length * ofCards.petiole),
+    tiles,
+  };
 }
 
 function grownTile(sheet: Sheet, look: LeafLook, seed: number, tile: number): LeafyShoots {

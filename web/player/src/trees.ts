@@ -24,6 +24,7 @@ export {
   setTints,
   type Tint,
 } from "./trees/instanceData";
+export { leafFrequency_hz } from "./trees/leafFlutter";
 export { LEAN_SHADER } from "./trees/lean";
 export type { Components } from "./trees/mesh/components";
 export { limbsOf, type PartGeometry, STEM_LIMB } from "./trees/mesh/limbs";

@@ -18,6 +18,7 @@ import { AmbientOcclusion } from "./ambientOcclusion";
 import { Backdrop } from "./background/backdrop";
 import type { Planted } from "./background/farWood";
 import { EDGE_VIEW } from "./camera/viewpoints";
+import { DetailBudget } from "./detailBudget";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { GroundWind } from "./ground/groundWind";
@@ -44,6 +45,8 @@ const FIRST_SHARPNESS: Record<Quality, number> = { low: 0.5, medium: 1, high: 1 
 /** While the camera stands still, shadows are drawn again after this many pictures. */
 const SHADOW_PERIOD: Record<Quality, number> = { low: 3, medium: 1, high: 1 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [22, 58], high: [48, 112] };
+/** Triangles of the trees in a picture at most. */
+const MOST_TRIANGLES: Record<Quality, number> = { low: 0.8e6, medium: 2.5e6, high: 6e6 };
 /** Distance (m) below which leaf cards give way to sprays; the lowest quality has none. */
 const SPRAYS_M: Record<Quality, number> = { low: 0, medium: 15, high: 24 };
 /** Distance (m) up to which leaves are drawn one by one. */
@@ -81,6 +84,7 @@ export class Stage {
   private readonly seen = new Matrix4();
   private readonly observer: ResizeObserver;
   private quality: Quality;
+  private readonly budget = new DetailBudget();
   /** Whether the next pictures have all pixels of the screen at any quality, for a photo. */
   sharp = false;
   private drawnSharpness = 1;
@@ -271,8 +275,13 @@ export class Stage {
   /** Bare trees keep their full detail up to a larger distance, because thin twigs are all that they show. */
   private levelFrom_m(): readonly [number, number] {
     const [first, second] = LEVEL_FROM_M[this.quality];
-    const further = this.season === "winter" ? BARE_DETAIL[this.quality] : 1;
+    const further = this.budget.reach * (this.season === "winter" ? BARE_DETAIL[this.quality] : 1);
     return [further * first, further * second];
+  }
+
+  /** Takes the triangles of the trees selected for the present view. Returns whether they must be selected again, with more or less detail. */
+  weigh(triangles: number): boolean {
+    return this.budget.take(triangles, MOST_TRIANGLES[this.quality]);
   }
 
   view(): View {
@@ -281,7 +290,7 @@ export class Stage {
       eye: this.camera.position,
       sun: this.daylight.towardsSun,
       levelFrom_m: this.levelFrom_m(),
-      near_m: SPRAYS_M[this.quality],
+      near_m: this.budget.reach * SPRAYS_M[this.quality],
       close_m: SINGLES_M[this.quality],
       shadow_m: this.daylight.shadowReach_m,
     };

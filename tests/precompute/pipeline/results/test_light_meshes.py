@@ -124,7 +124,7 @@ def test_light_meshes_are_compressed_share_pictures_and_stay_small() -> None:
 
 
 def test_the_pictures_of_a_light_mesh_look_like_those_of_the_render_mesh() -> None:
-    for name in ("poplar", "maple", "apricot"):
+    for name in ("poplar", "maple", "oak"):
         document, body = document_of((SHIPPED / f"{name}.glb").read_bytes())
         light, _ = document_of((LIGHT / f"{name}.glb").read_bytes())
         for texture, drawn in zip(document["textures"], light["textures"], strict=True):
@@ -138,7 +138,7 @@ def test_the_pictures_of_a_light_mesh_look_like_those_of_the_render_mesh() -> No
             assert np.array_equal(old[..., 3:], new[..., 3:])
 
 
-@pytest.mark.parametrize("name", ["spruce", "larch-forest"])
+@pytest.mark.parametrize("name", ["spruce", "larch-forest", "apricot", "sycamore-forest"])
 def test_browsers_draw_fuller_shoots_where_a_species_has_them(name: str) -> None:
     light, _ = document_of((LIGHT / f"{name}.glb").read_bytes())
     (uri,) = (image["uri"] for image in light["images"] if "-leaves." in image["uri"])

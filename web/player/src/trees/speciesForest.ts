@@ -15,6 +15,7 @@ import {
 } from "./drawnParts";
 import type { FarCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
+import { USUAL_HZ } from "./leafFlutter";
 import { MOST_LEAN } from "./lean";
 import { ApartMeshes } from "./levelMeshes";
 import type { AddedPart, TreeModel, TreePart } from "./mesh/treeMesh";
@@ -99,6 +100,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
       uNodeShift: { value: 0 },
       uLean: { value: model.leans ? 1 : 0 },
       uFlutter: options.flutter,
+      uLeafHz: { value: model.flutter_hz ?? USUAL_HZ },
       uExaggeration: options.exaggeration,
       uClose: { value: { x: 0, y: 0, z: 0, w: 0 } },
       together: together?.uniforms,

@@ -29,6 +29,8 @@ export interface TreeUniforms extends Partial<PullUniforms> {
   uNodeShift: { value: number };
   /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
+  /** Mean frequency of that, Hz. */
+  uLeafHz: { value: number };
   /** 1 for trees that stand upright and have a lean of their own, else 0. */
   uLean: { value: number };
   /** Factor of the displacements; those in the target of pass 1 already have it. */
@@ -86,6 +88,7 @@ void takeJoint() {
 }
 #endif
 uniform vec2 uFlutter;
+uniform float uLeafHz;
 uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
@@ -153,7 +156,7 @@ vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
   #ifdef LEAVES
     vec3 pivot = aPivot;
-    float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, heldWind, uFlutter.x + dot(aPlace.xz, vec2(${AHEAD_X_S_PER_M}, ${AHEAD_Z_S_PER_M})));
+    float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, uLeafHz, heldWind, uFlutter.x + dot(aPlace.xz, vec2(${AHEAD_X_S_PER_M}, ${AHEAD_Z_S_PER_M})));
     local = aAnchor.xyz + turned(local - aAnchor.xyz, leafAxis(aPiece.x), leafSwing);
   #else
     vec3 pivot = mix(aAnchor.xyz, aPivot, grown); // a branch that shrinks to its base ends there

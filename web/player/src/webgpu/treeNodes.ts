@@ -89,7 +89,7 @@ function spun(v: Vector): Vector {
 export function swaying(
   part: Part,
   rest: Vector,
-  { uNodes, uNodeShift, uFlutter }: TreeUniforms,
+  { uNodes, uNodeShift, uFlutter, uLeafHz }: TreeUniforms,
   leafShare: { readonly value: number },
 ): Node<"vec3"> {
   const [moved, turned] = uNodes.value?.renderTarget?.textures ?? [];
@@ -110,7 +110,7 @@ export function swaying(
       const time = flutter.x.add(dot(place.xz, vec2(AHEAD_X_S_PER_M, AHEAD_Z_S_PER_M)));
       const angle = flutter.y
         .mul(piece.z)
-        .mul(leafAngle(piece.x, held.wind, time))
+        .mul(leafAngle(piece.x, float(uLeafHz.value), held.wind, time))
         .toVar();
       local.assign(anchor.xyz.add(turnedAbout(leafAxis(piece.x), angle, local.sub(anchor.xyz))));
     }

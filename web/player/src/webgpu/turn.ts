@@ -1,20 +1,19 @@
 /** TSL of what turns vertices: the same arithmetic as the GLSL of trees/nodes/nodeTexel.ts and trees/leafFlutter.ts. */
-import { cos, cross, dot, float, fract, inverseSqrt, max, min, sin, sqrt, vec3 } from "three/tsl";
+import { cos, cross, dot, exp, float, fract, inverseSqrt, max, sin, sqrt, vec3 } from "three/tsl";
 import type { Node } from "three/webgpu";
 import {
   AXIS_FACTOR,
   AXIS_RISE,
-  FASTEST_HZ,
-  FULL_AT_M_S,
   HEADING_SPREAD,
+  HZ_RANGE,
   HZ_SPREAD,
   LULL_MEAN,
   LULL_RAD_S,
   LULL_SPREAD,
   LULL_SWING,
+  MOST_RAD,
+  ONSET_M_S,
   PHASE_SPREAD,
-  RAD_PER_M_S,
-  SLOWEST_HZ,
 } from "../trees/leafFlutter";
 
 export type Float = Node<"float">;
@@ -42,15 +41,19 @@ export const turnedBy = ({ axis, cosine }: Turn, arm: Vector): Vector =>
 
 const TURN_RAD = 2 * Math.PI;
 
-/** How far (rad) the leaf with a random number of its own is turned about its petiole, in a wind (m/s) at a time (s). */
-export function leafAngle(own: Float, wind: Float, time: Float): Float {
+/** How far (rad) the leaf with a random number of its own is turned about its petiole, at a mean frequency (Hz), in a wind (m/s) at a time (s). */
+export function leafAngle(own: Float, mean: Float, wind: Float, time: Float): Float {
   const hz = fract(own.mul(HZ_SPREAD))
-    .mul(FASTEST_HZ - SLOWEST_HZ)
-    .add(SLOWEST_HZ);
+    .mul(2 * HZ_RANGE)
+    .add(1 - HZ_RANGE)
+    .mul(mean);
   const lull = sin(time.mul(LULL_RAD_S).add(own.mul(LULL_SPREAD)))
     .mul(LULL_SWING)
     .add(LULL_MEAN);
-  const amplitude = min(wind, FULL_AT_M_S).mul(RAD_PER_M_S).mul(lull);
+  const amplitude = float(1)
+    .sub(exp(wind.mul(-1 / ONSET_M_S)))
+    .mul(MOST_RAD)
+    .mul(lull);
   return amplitude.mul(sin(hz.mul(time).add(own.mul(PHASE_SPREAD)).mul(TURN_RAD)));
 }
 

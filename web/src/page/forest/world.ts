@@ -28,6 +28,8 @@ export interface AboveGround {
   readonly z: number;
 }
 
+/** How often trees are selected again at once until their triangles keep to the budget. */
+const MOST_SELECTIONS = 4;
 /** A tree is hidden if the ground is hit this much nearer. */
 const HIDDEN_M = 3;
 
@@ -46,6 +48,8 @@ export class World {
   private viewChanged = true;
   /** Turns of the trees that have not been selected since the camera moved last. */
   private turnsLeft = 0;
+  /** Pictures since the triangles of the trees were compared with their budget. */
+  private unweighed = 0;
 
   constructor(
     private readonly store: Store,
@@ -183,15 +187,28 @@ export class World {
 
   private select(moved: boolean): void {
     const { forest, stage } = this;
-    if (this.viewChanged) {
-      forest.select(stage.view());
-      this.turnsLeft = 0;
-    } else if (moved || this.turnsLeft > 0) {
-      const { turns } = forest;
-      this.turnsLeft = moved ? turns - 1 : this.turnsLeft - 1;
+    const { turns } = forest;
+    if (this.viewChanged || (moved && turns === 1)) {
+      this.selectAll();
+      return;
+    }
+    if (moved) this.turnsLeft = turns;
+    if (this.turnsLeft > 0) {
+      this.turnsLeft--;
       forest.select(stage.view(), turns);
     }
+    if (++this.unweighed < turns) return; // trees have been selected by different budgets
+    this.unweighed = 0;
+    if (stage.weigh(forest.triangles)) this.turnsLeft = turns;
+  }
+
+  /** All trees in one picture, a few times over if they have too many triangles. */
+  private selectAll(): void {
+    const { forest, stage } = this;
     this.viewChanged = false;
+    this.turnsLeft = 0;
+    forest.select(stage.view());
+    for (let k = 0; k < MOST_SELECTIONS && stage.weigh(forest.triangles); k++) forest.select(stage.view());
   }
 
   // ---- places -------------------------------------------------------------------------------------

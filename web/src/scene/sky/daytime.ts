@@ -100,7 +100,7 @@ const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 /** Least light shown, by day and twilight under any clouds, and at night: pictures are never black. */
 const LEAST_SHOWN = { day: 1.25, night: 0.85 } as const;
 /** More of it below a closed cover by day, where a wood has no bright spots. */
-const MORE_UNDER_CLOUDS = 0.35;
+const MORE_UNDER_CLOUDS = 0.42;
 
 /**
  * Exposure for the light of sun and sky. The adaptation is partial, so that dusk and storms stay darker than noon, down to

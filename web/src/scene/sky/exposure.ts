@@ -20,16 +20,16 @@ const RAYS = { across: 5, up: 3 } as const;
 /** Crowns farther away cover little of the view each. */
 export const NEAR_M = 45;
 /** Light of a surface in shade relative to one in the sun. */
-const SHADE_LIGHT_RATIO = 0.22;
+const SHADE_LIGHT_RATIO = 0.2;
 /** Light behind several crowns does not get darker than this. */
 const MIN_LIGHT_RATIO = 0.12;
 /** Light of leaves around an eye inside a crown, which shade each other; beside it, leaves nearer than this (m) fill the view like them. */
-const INSIDE_LIGHT_RATIO = 0.055;
+const INSIDE_LIGHT_RATIO = 0.05;
 const CLOSE_LEAVES_M = 3;
 /** Largest gain, inside dense crowns. */
 export const MOST_GAIN = 2.4;
 /** Share of the adaptation of an eye that is wanted: the shade of a forest stays darker than a meadow. */
-const ADAPTATION_SHARE = 0.5;
+const ADAPTATION_SHARE = 0.52;
 /** Light of an ordinary view, part of it in shade, for which the exposure of the season and the hour is right. */
 const USUAL_LIGHT = 0.6;
 /** Height (m) from which on an eye looks over the crowns, at mostly sky and sunlit land. */

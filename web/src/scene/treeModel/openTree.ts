@@ -63,7 +63,11 @@ function leafExtras(bytes: ArrayBuffer): LeafExtras {
 function drawnIn({ drawn_sprays: drawn }: LeafExtras): DrawnSprays | null {
   const numbers = (values: unknown, count: number) =>
     Array.isArray(values) && values.length === count && values.every(Number.isFinite);
-  if (!isRecord(drawn) || !numbers([drawn.half, drawn.petiole], 2) || !Array.isArray(drawn.tiles))
+  if (
+    !isRecord(drawn) ||
+    !numbers([drawn.half, drawn.petiole, drawn.petiole_m], 3) ||
+    !Array.isArray(drawn.tiles)
+  )
     return null;
   const whole =
     drawn.tiles.length === SPRAY_TILES.columns * SPRAY_TILES.rows &&

@@ -1,6 +1,13 @@
 /** The page's models of trees: normalised GLBs with what it draws in addition: trees that lack limbs, bare trees, flares, collars. */
 
-import { type AddedPart, drawnPart, type SingleLeaves, type TreeModel, type TreePart } from "galewood/trees";
+import {
+  type AddedPart,
+  drawnPart,
+  leafFrequency_hz,
+  type SingleLeaves,
+  type TreeModel,
+  type TreePart,
+} from "galewood/trees";
 import type { MeshStandardMaterial, Texture } from "three";
 import { barePartsOf, singlesOf, sprayStemsOf, spraysOf, twigsOf } from "./cardParts";
 import { openTree, type TreePictures } from "./openTree";
@@ -61,6 +68,7 @@ function modelOf(
     },
     leans: varied,
     evergreen,
+    ...(drawnSprays && { flutter_hz: leafFrequency_hz(drawnSprays.petiole_m) }),
     height_m,
     radius_m,
   };

@@ -22,6 +22,8 @@ export interface DrawnSprays {
   /** Half the width of a single leaf, and the length of its petiole, relative to its tile. */
   readonly half: number;
   readonly petiole: number;
+  /** Length of a petiole, m. */
+  readonly petiole_m: number;
   /** Of each spray: points along its shoot, relative to the side of the tile, and its leaves. */
   readonly tiles: readonly {
     readonly shoot: readonly (readonly [number, number])[];

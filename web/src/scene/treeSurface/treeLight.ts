@@ -58,7 +58,7 @@ vec2 sprayShift(vec2 at, vec4 piece, ivec2 size) {
   vec2 q = fract(${SHEET_ROWS.toFixed(1)} * at * vec2(size) / float(size.y));
   q *= 1.0 - q;
   float own = 6.2832 * fract(31.7 * piece.x);
-  vec2 hz = vec2(2.3, 3.1) + 3.0 * fract(vec2(7.3, 11.9) * piece.x);
+  vec2 hz = uLeafHz * (vec2(0.55, 0.75) + 0.7 * fract(vec2(7.3, 11.9) * piece.x));
   vec2 turn = 6.2832 * (hz * uFlutter.x + vec2(9.0 * at.x + 5.0 * at.y, 8.0 * at.y - 6.0 * at.x)) + vec2(own, 1.7 * own);
   return ${(SPRAY_SHIFT_TILES / SHEET_ROWS).toFixed(4)} * min(${SPRAY_MOST.toFixed(1)}, piece.w / ${SPRAY_FULL_M_S.toFixed(1)}) * 16.0 * q.x * q.y * sin(turn);
 }
@@ -407,7 +407,7 @@ export function patchColour(
   const leaves = part === "leaves";
   const sprays =
     leaves && moves
-      ? `uniform vec2 uFlutter;\n#if defined(CUTICLE) && !defined(SINGLE_LEAVES)\n#define SPRAYS\n${SPRAY_MOTION}#endif\n`
+      ? `uniform vec2 uFlutter;\nuniform float uLeafHz;\n#if defined(CUTICLE) && !defined(SINGLE_LEAVES)\n#define SPRAYS\n${SPRAY_MOTION}#endif\n`
       : "";
   shader.fragmentShader = shader.fragmentShader
     .replace(

@@ -50,6 +50,8 @@ export interface TreeModel {
   readonly leans: boolean;
   /** Whether the leaves stay in winter. */
   readonly evergreen: boolean;
+  /** Mean frequency of the flutter of its leaves, Hz, if it is known. */
+  readonly flutter_hz?: number;
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
   readonly radius_m: number;

@@ -1,12 +1,12 @@
 /** The tree that loads first, against a camera: it must be seen in the first picture of a wide window and of an upright phone. */
 import { PerspectiveCamera, Vector3 } from "three";
 import { expect, test } from "vitest";
-import { EDGE_VIEW } from "../../../web/src/scene/camera/viewpoints";
-import { firstInView, type TreeAsset } from "../../../web/src/scene/forest";
-import { plant } from "../../../web/src/scene/forms";
-import { groundHeight_m } from "../../../web/src/scene/ground/landscape";
-import { placeTrees } from "../../../web/src/scene/placement";
-import { seededRandom } from "../../../tools/species/random";
+import { EDGE_VIEW } from "../../../../web/src/scene/camera/viewpoints";
+import { firstInView, type TreeAsset } from "../../../../web/src/scene/forest";
+import { plant } from "../../../../web/src/scene/forms";
+import { groundHeight_m } from "../../../../web/src/scene/ground/landscape";
+import { placeTrees } from "../../../../web/src/scene/placement";
+import { seededRandom } from "../../../../tools/species/random";
 
 const SEED = 20_260;
 const TREE_COUNT = 120;

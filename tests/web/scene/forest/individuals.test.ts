@@ -1,8 +1,8 @@
 /** Which trees are grown for the stems of an inventory, against choices by brute force. */
 import { describe, expect, test } from "vitest";
-import type { Stem } from "../../../web/player/src/inventory/document";
-import type { TreeModel } from "../../../web/player/src/trees/mesh/treeMesh";
-import type { TreeAsset } from "../../../web/src/scene/forest";
+import type { Stem } from "../../../../web/player/src/inventory/document";
+import type { TreeModel } from "../../../../web/player/src/trees/mesh/treeMesh";
+import type { TreeAsset } from "../../../../web/src/scene/forest";
 import {
   arrivedOf,
   distance,
@@ -12,9 +12,9 @@ import {
   sizeOfStem,
   spread,
   treesToGrow,
-} from "../../../web/src/scene/individuals";
-import { placeStand } from "../../../web/src/scene/stand";
-import { seededRandom } from "../seeded";
+} from "../../../../web/src/scene/individuals";
+import { placeStand } from "../../../../web/src/scene/stand";
+import { seededRandom } from "../../seeded";
 
 const SPECIES = ["oak", "beech", "spruce"] as const;
 

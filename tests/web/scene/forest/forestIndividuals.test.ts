@@ -1,19 +1,19 @@
 /** The own trees of a generated forest: how many of each kind, of which sizes and seeds, and where they stand. */
 import { describe, expect, test } from "vitest";
-import { builtinOf, growIndividual } from "../../../tools/species/individual";
-import type { TreeModel } from "../../../web/player/src/trees/mesh/treeMesh";
-import { placeForest, type TreeAsset } from "../../../web/src/scene/forest";
+import { builtinOf, growIndividual } from "../../../../tools/species/individual";
+import type { TreeModel } from "../../../../web/player/src/trees/mesh/treeMesh";
+import { placeForest, type TreeAsset } from "../../../../web/src/scene/forest";
 import {
   type BuiltinTree,
   type ForestLayout,
   individualsInstead,
   sizesOfForest,
   treesOfForest,
-} from "../../../web/src/scene/forestIndividuals";
-import { FORM_CHOICES, type Form } from "../../../web/src/scene/forms";
-import type { Individual, Order, Size } from "../../../web/src/scene/individuals";
-import { DEFAULTS } from "../../../web/src/page/settings/settings";
-import { seededRandom } from "../seeded";
+} from "../../../../web/src/scene/forestIndividuals";
+import { FORM_CHOICES, type Form } from "../../../../web/src/scene/forms";
+import type { Individual, Order, Size } from "../../../../web/src/scene/individuals";
+import { DEFAULTS } from "../../../../web/src/page/settings/settings";
+import { seededRandom } from "../../seeded";
 
 const FORMS = ["open", "forest"] as const;
 const SPECIES = ["beech", "birch", "maple", "oak", "spruce"];

@@ -1,10 +1,10 @@
 import { describe, expect, test } from "vitest";
-import type { Stem } from "../../../web/player/src/inventory/document";
-import { SCALES } from "../../../web/player/src/inventory/places";
-import { extentOf, placeStand, standView } from "../../../web/src/scene/stand";
-import type { TreeAsset } from "../../../web/src/scene/forest";
-import { FOREST_CENTRE } from "../../../web/src/scene/placement";
-import type { TreeModel } from "../../../web/player/src/trees/mesh/treeMesh";
+import type { Stem } from "../../../../web/player/src/inventory/document";
+import { SCALES } from "../../../../web/player/src/inventory/places";
+import { extentOf, placeStand, standView } from "../../../../web/src/scene/stand";
+import type { TreeAsset } from "../../../../web/src/scene/forest";
+import { FOREST_CENTRE } from "../../../../web/src/scene/placement";
+import type { TreeModel } from "../../../../web/player/src/trees/mesh/treeMesh";
 
 const asset = (id: string, species: string, form: "open" | "forest", height_m: number, builtin = true): TreeAsset => ({
   id,

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import { glade, groundHeight_m } from "../../../web/src/scene/ground/landscape";
-import { atEdge, type Form, formAt, kindsOf, plant } from "../../../web/src/scene/forms";
-import { chooseSpecies, placeTrees, reach_m } from "../../../web/src/scene/placement";
+import { glade, groundHeight_m } from "../../../../web/src/scene/ground/landscape";
+import { atEdge, type Form, formAt, kindsOf, plant } from "../../../../web/src/scene/forms";
+import { chooseSpecies, placeTrees, reach_m } from "../../../../web/src/scene/placement";
 
 describe("placement", () => {
   test.each([1, 60, 400, 10_000])("gives exactly %i distinct places, none in the glade", (count) => {
