@@ -2,6 +2,7 @@
 
 export { EasedPoses } from "./core/motion/easedPoses";
 export type { PosePacket } from "./core/motion/posePacket";
+export type { Viewer } from "./core/motion/simulationLevels";
 export { Backoff } from "./core/net/backoff";
 export type { About } from "./core/wire/wire";
 export { ForestWorkers, type FromWorkers, type PlanOrder } from "./worker/divided/forestWorkers";

@@ -88,7 +88,7 @@ test("far from the viewer trees feel the same wind everywhere in their crowns; t
     const field = new WindField(GOLDEN.winds[0]);
     const motion = forest(field);
     let last = new Float32Array(0);
-    for (const poses of play(120, motion, () => motion.see(far_m, 0))) last = poses;
+    for (const poses of play(120, motion, () => motion.see([far_m, 0]))) last = poses;
     return last;
   });
   const field = new WindField(GOLDEN.winds[0]);

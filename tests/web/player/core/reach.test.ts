@@ -55,7 +55,7 @@ function reachOf(tree: number[]): number[][] {
   const pose = new NodePose(tableMotion("", TABLE, 0));
   const reached = new Reached();
   for (let frame = 1; frame <= GOLDEN.last_frame; frame++) {
-    motion.see(tree[0], tree[1]);
+    motion.see([tree[0], tree[1]]);
     motion.advance(GOLDEN.frame_s, out);
     if (frame >= GOLDEN.first_frame && frame % GOLDEN.every === 0) reached.take(pose.take(out[0]));
   }

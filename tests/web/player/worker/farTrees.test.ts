@@ -71,14 +71,14 @@ test.each([30, 60, 120])("at %i frames per second every distant tree has its tur
   const left: number[] = [];
   const levels = new SimulationLevels(x, new Float32Array(count), (tree) => left.push(tree));
   const pace = new FramePace();
-  levels.see(0, 0);
+  levels.see([0, 0]);
   levels.keepNear([700]);
   const turns = new Uint32Array(count);
   const perFrame: number[] = [];
   for (let frame = 0; frame < 4 * hz; frame++) {
     pace.next(1 / hz);
     const { near, far, periods } = levels.begin(frame / hz, pace);
-    expect(periods).toEqual([hz / 15, hz / 7.5, hz / 3.75]);
+    expect(periods).toEqual([hz / 15, hz / 7.5, hz / 3.75, hz / 1.875]);
     for (const tree of [...near, ...far.flatMap((trees) => [...trees])]) turns[tree]++;
     perFrame.push(far.reduce((sum, { length }) => sum + length, 0));
   }
@@ -92,11 +92,29 @@ test.each([30, 60, 120])("at %i frames per second every distant tree has its tur
   expect(Math.max(...perFrame) - Math.min(...perFrame)).toBeLessThanOrEqual(3 * 32);
 });
 
+test("trees out of view are stepped less often, but not those near the eye", () => {
+  const hz = 60;
+  const count = 700;
+  const x = Float32Array.from({ length: 2 * count }, (_, k) => k - count);
+  const levels = new SimulationLevels(x, new Float32Array(2 * count), () => {});
+  const pace = new FramePace();
+  levels.see([0, 0, 1, 0, Math.cos(0.8)]);
+  const turns = new Uint32Array(2 * count);
+  for (let frame = 0; frame < 8 * hz; frame++) {
+    pace.next(1 / hz);
+    const { near, far } = levels.begin(frame / hz, pace);
+    for (const tree of [...near, ...far.flatMap((trees) => [...trees])]) turns[tree]++;
+  }
+  const often = (place_m: number) => turns[count + place_m] / 8;
+  expect([0, 149, 150, 299, 300, 599, 600].map(often)).toEqual([hz, hz, 15, 15, 7.5, 7.5, 3.75]);
+  expect([-1, -79, -80, -149, -150, -299, -300, -699].map(often)).toEqual([hz, hz, 15, 15, 7.5, 7.5, 1.875, 1.875]);
+});
+
 test("trees keep their level until they are clearly nearer, and none waits where the clock jumps", () => {
   const levels = new SimulationLevels(Float32Array.of(155), Float32Array.of(0), () => {});
   const pace = new FramePace();
   const isNear = (viewer: number, frames = 32) => {
-    levels.see(viewer, 0);
+    levels.see([viewer, 0]);
     let near = false;
     for (let k = 0; k < frames; k++) {
       pace.next(1 / 60);
@@ -159,12 +177,12 @@ test("frames that last no time leave distant trees as they are", () => {
   const motion = new LocalMotion([group], new WindField(PRESETS.breeze), { method: "modal", poseEasing: null }, 0);
   const out = [new Float32Array(3 * STRIDE)];
   motion.advance(0, out);
-  motion.see(0, 0);
+  motion.see([0, 0]);
   for (let frame = 0; frame < 200; frame++) motion.advance(1 / 60, out);
   const before = out[0].slice();
   expect(Math.abs(before[2 * STRIDE])).toBeGreaterThan(0);
   for (let frame = 0; frame < 40; frame++) {
-    motion.see(0, 0);
+    motion.see([0, 0]);
     motion.advance(0, out);
     expect(motion.changed[0]?.far).toEqual([]);
   }

@@ -162,7 +162,7 @@ class Visitor {
       onReply: () => {},
       problem: (title) => expect.unreachable(title),
     });
-    this.motion.see(x, z);
+    this.motion.see([x, z]);
   }
 
   advance(): void {

@@ -1,5 +1,6 @@
 /** Starts the worker and talks to it: one frame is on its way at any time, and its buffers circulate. */
 
+import type { Viewer } from "../core/motion/simulationLevels";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import type { WindDocument } from "../core/wind/document";
 import type { WorkerPort } from "../worker/divided/dividedWorker";
@@ -112,7 +113,7 @@ export class WorkerClient {
   }
 
   /** Advances by a display step. While the worker is busy, the time accumulates. */
-  advance(dt_s: number, viewer: readonly [number, number], blow: Blow | null): void {
+  advance(dt_s: number, viewer: Viewer, blow: Blow | null): void {
     this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
     if (this.busy || this.groups.size === 0 || this.ended) return;
     this.busy = true;

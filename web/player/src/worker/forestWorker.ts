@@ -237,7 +237,7 @@ scope.onmessage = ({ data }) => {
       source?.watch?.(watched);
       break;
     case "advance":
-      source?.see?.(...data.viewer);
+      source?.see?.(data.viewer);
       if (data.epoch === epoch) advance(data.dt_s, data.spare);
       break;
   }

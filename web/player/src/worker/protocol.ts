@@ -2,6 +2,7 @@
 
 import type { Method } from "../core/motion/method";
 import type { PosePacket } from "../core/motion/posePacket";
+import type { Viewer } from "../core/motion/simulationLevels";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import type { Foliage } from "../core/table/table";
 import type { WindDocument } from "../core/wind/document";
@@ -172,8 +173,7 @@ export type ToWorker =
       kind: "advance";
       epoch: number;
       dt_s: number;
-      /** Where the viewer is, m: x and z. */
-      viewer: readonly [number, number];
+      viewer: Viewer;
       /** A packet that is no longer needed, whose arrays are filled again. */
       spare: PosePacket | null;
     };

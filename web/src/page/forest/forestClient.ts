@@ -13,7 +13,7 @@ import type {
   TreeAt,
   Work,
 } from "galewood/client";
-import { EasedPoses, ForestWorkers } from "galewood/client";
+import { EasedPoses, ForestWorkers, type Viewer } from "galewood/client";
 import { sameWind, type WindState } from "galewood/wind";
 import { PullFields } from "../pulling/pullFields";
 import { complianceUrl, recordsUrl, tableUrl } from "../server/api";
@@ -189,9 +189,9 @@ export class ForestClient {
     return this.eased.map(({ poses }) => poses);
   }
 
-  /** Advances the forest by a display step, seen from a place (m). */
-  advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
-    this.workers.advance(dt_s, [from.x, from.z]);
+  /** Advances the forest by a display step. */
+  advance(dt_s: number, viewer: Viewer): void {
+    this.workers.advance(dt_s, viewer);
   }
 
   /** Whether the trees of the last plan have appeared. */

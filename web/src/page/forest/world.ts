@@ -7,6 +7,7 @@ import { groundUnder, INSTANCE_FLOATS, type Ray } from "galewood/trees";
 import { meanVelocity_m_s, WindField } from "galewood/wind";
 import { Raycaster, Vector2 } from "three";
 import type { Planted } from "../../scene/background/farWood";
+import { viewerAt } from "../../scene/camera/sight";
 import { exaggeration } from "../../scene/exaggeration";
 import { Forest, type PickedTree, type PlacedSpecies } from "../../scene/forest";
 import { groundHeight_m } from "../../scene/ground/landscape";
@@ -145,7 +146,7 @@ export class World {
 
   /** Requests the next poses, dt_s on, and takes those that have arrived. */
   moveTrees(dt_s: number): void {
-    if (!this.store.state.stopped) this.client.advance(dt_s, this.stage.camera.position);
+    if (!this.store.state.stopped) this.client.advance(dt_s, viewerAt(this.stage.camera));
     this.takePoses();
   }
 

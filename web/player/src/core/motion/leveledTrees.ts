@@ -5,7 +5,7 @@ import type { Moment } from "../wind/transition";
 import type { Chosen } from "./groupWind";
 import type { LeveledWind } from "./leveledWind";
 import { poseStride } from "./poseStride";
-import { FAR_LEVELS, type FramePace, SimulationLevels, type Turn } from "./simulationLevels";
+import { FAR_LEVELS, type FramePace, SimulationLevels, type Turn, type Viewer } from "./simulationLevels";
 import { SteppedTrees } from "./steppedTrees";
 
 /** Duration of a table step, s, by which the wind of a coarse step is taken at its middle. */
@@ -40,11 +40,11 @@ export class LeveledTrees extends SteppedTrees<CoarseForest> {
   }
 
   /** Distant trees are also stepped less often. */
-  override see(x: number, z: number): void {
-    this.levels.see(x, z);
+  override see(viewer: Viewer): void {
+    this.levels.see(viewer);
     const { changed } = this;
-    if (changed) for (let k = 0; k < changed.near.length; k++) this.seeOne(changed.near[k], x, z);
-    else super.see(x, z);
+    if (changed) for (let k = 0; k < changed.near.length; k++) this.seeOne(changed.near[k], viewer);
+    else super.see(viewer);
   }
 
   /** Begins a frame at a time (s) that lasts dt_s; returns the trees that it steps, null for all. */

@@ -1,21 +1,26 @@
 /**
- * How often each tree of a group is stepped, by its distance from the viewer: near trees in every frame with the full model,
- * distant ones less often with coarse ones. These take turns in blocks of neighbours in memory, so that every frame costs the
+ * How often each tree of a group is stepped, by its distance from the viewer, and whether it is in view: near trees in every frame with the
+ * full model, distant ones less often with coarse ones. These take turns in blocks of neighbours in memory, so that every frame costs the
  * same. Pure.
  */
 
-/** Levels of distant trees: where they begin (m), and the table steps in one step of their coarse model. */
+/** Levels of distant trees: where they begin (m), and the table steps in one step of their coarse model. The last is for trees out of view. */
 export const FAR_LEVELS = [
   { from_m: 150, steps: 4 },
   { from_m: 300, steps: 4 },
   { from_m: 600, steps: 8 },
+  { from_m: Number.POSITIVE_INFINITY, steps: 16 },
 ] as const;
+/** Trees out of view are at the next level from the first distance (m) on, and at the last one from the second one on. */
+const UNSEEN_FROM_M = [80, 300] as const;
+/** How far (m) beside the view a tree may stand of which something is seen. */
+const BESIDE_M = 12;
 /** Steps of the farthest trees per second; each level nearer takes twice as many. */
-const SLOWEST_HZ = 3.75;
+const SLOWEST_HZ = 1.875;
 /** Trees keep their level until they are this much (m) nearer than where it begins. */
 const RETURN_M = 10;
 /** Most frames from one step of the farthest trees to the next. */
-const MOST_FRAMES = 32;
+const MOST_FRAMES = 64;
 /** Weight of a new frame in the mean length of frames, and how far that may change before the periods do. */
 const NEW_FRAME = 0.1;
 const LONGER_FROM = 1.9;
@@ -24,6 +29,12 @@ const SHORTER_FROM = 0.9;
 const JUMP_PERIODS = 4;
 /** Trees that take their turn together. */
 const BLOCK_TREES = 32;
+
+/**
+ * Where the viewer is (x, z, m); the horizontal direction of the view (unit vector), and the cosine of the angle to it up to which something is
+ * seen. Without these, everything is.
+ */
+export type Viewer = readonly [x_m: number, z_m: number, aheadX?: number, aheadZ?: number, cosine?: number];
 
 /** The trees that are stepped in one frame. */
 export interface Turn {
@@ -69,7 +80,7 @@ export class SimulationLevels {
   private readonly until_s: Float64Array;
   private readonly lists: readonly Uint32Array[];
   private readonly kept = new Set<number>();
-  private viewer: readonly [number, number] | null = null;
+  private viewer: Viewer | null = null;
   private placed = false;
 
   /**
@@ -91,9 +102,9 @@ export class SimulationLevels {
     this.lists = Array.from({ length: 1 + FAR_LEVELS.length }, () => new Uint32Array(x.length));
   }
 
-  /** Tells where the viewer is (m); until then all trees are near. */
-  see(x: number, z: number): void {
-    this.viewer = [x, z];
+  /** Until this is called, all trees are near. */
+  see(viewer: Viewer): void {
+    this.viewer = viewer;
   }
 
   /** Steps these trees fully from now on, and others by their distance again. */
@@ -163,11 +174,14 @@ export class SimulationLevels {
   private update(block: number, time_s: number): void {
     const { viewer, x, z, level, kept, starts } = this;
     if (!viewer) return;
+    const [fromX, fromZ, aheadX = 0, aheadZ = 0, cosine = -1] = viewer;
     for (let tree = starts[block]; tree < starts[block + 1]; tree++) {
-      const dx = x[tree] - viewer[0];
-      const dz = z[tree] - viewer[1];
+      const dx = x[tree] - fromX;
+      const dz = z[tree] - fromZ;
+      const away_m = Math.sqrt(dx * dx + dz * dz);
+      const isSeen = away_m < UNSEEN_FROM_M[0] || dx * aheadX + dz * aheadZ >= cosine * away_m - BESIDE_M;
       const before = level[tree];
-      const now = kept.size > 0 && kept.has(tree) ? 0 : levelAt(Math.sqrt(dx * dx + dz * dz), before);
+      const now = kept.size > 0 && kept.has(tree) ? 0 : levelAt(away_m, before, isSeen);
       level[tree] = now;
       if (before > 0 || now === 0) continue;
       this.until_s[tree] = time_s;
@@ -197,9 +211,11 @@ function blocksOf(count: number, rows: Uint32Array | null): { starts: number[]; 
 }
 
 /** The level at a distance; `before` is the present one. */
-function levelAt(away_m: number, before: number): number {
+function levelAt(away_m: number, before: number, isSeen: boolean): number {
+  const held = isSeen ? before : before - 1;
   let level = 0;
-  while (level < FAR_LEVELS.length && away_m >= FAR_LEVELS[level].from_m - (before > level ? RETURN_M : 0))
+  while (level < FAR_LEVELS.length && away_m >= FAR_LEVELS[level].from_m - (held > level ? RETURN_M : 0))
     level++;
-  return level;
+  if (isSeen) return level;
+  return away_m < UNSEEN_FROM_M[1] ? level + 1 : FAR_LEVELS.length;
 }

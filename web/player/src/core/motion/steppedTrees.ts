@@ -3,6 +3,7 @@ import type { PlaceGusts } from "../modal/placeGusts";
 import type { Moment } from "../wind/transition";
 import type { Chosen, GroupWind } from "./groupWind";
 import { poseStride } from "./poseStride";
+import type { Viewer } from "./simulationLevels";
 import type { TreeInstances } from "./treeInstances";
 
 /** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
@@ -38,16 +39,16 @@ export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
     lookup.setTrees(wind.x, wind.z, wind.column(2), wind.column(3));
   }
 
-  /** Trees far from the viewer (m, world) do without the gusts within their crowns. */
-  see(x: number, z: number): void {
-    for (let tree = 0; tree < this.wind.count; tree++) this.seeOne(tree, x, z);
+  /** Trees far from the viewer do without the gusts within their crowns. */
+  see(viewer: Viewer): void {
+    for (let tree = 0; tree < this.wind.count; tree++) this.seeOne(tree, viewer);
   }
 
-  protected seeOne(tree: number, x: number, z: number): void {
+  protected seeOne(tree: number, viewer: Viewer): void {
     const { wind, gusts } = this;
     if (!gusts) return;
-    const dx = wind.x[tree] - x;
-    const dz = wind.z[tree] - z;
+    const dx = wind.x[tree] - viewer[0];
+    const dz = wind.z[tree] - viewer[1];
     const far_m = Math.sqrt(dx * dx + dz * dz); // many times faster than Math.hypot
     gusts.share[tree] = Math.min(1, Math.max(0, (GONE_M - far_m) / (GONE_M - FULL_M)));
   }

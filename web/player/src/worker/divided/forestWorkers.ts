@@ -3,7 +3,9 @@
  * have the same wind and clock, so that a tree moves as in a single one. Their poses are passed on as they arrive: trees of a
  * worker that is late stay where they were, and it takes one longer step afterwards.
  */
+
 import type { PosePacket } from "../../core/motion/posePacket";
+import type { Viewer } from "../../core/motion/simulationLevels";
 import type { WindDocument } from "../../core/wind/document";
 import type { ForestPlan, FromWorker, ShownTrees, ToWorker } from "../protocol";
 import { Member, type MemberEvents, type Poses } from "./member";
@@ -52,7 +54,7 @@ export class ForestWorkers {
   /** Tables that the page waits for. */
   private readonly asked = new Set<string>();
   private latest: Poses | null = null;
-  private viewer: readonly [number, number] = [0, 0];
+  private viewer: Viewer = [0, 0];
   private lost = 0;
   private readonly events: MemberEvents = {
     receive: (message, member) => this.hear(message, member),
@@ -182,7 +184,7 @@ export class ForestWorkers {
   }
 
   /** Advances the forest by a display step. Time accumulates for workers that are busy. */
-  advance(dt_s: number, viewer: readonly [number, number]): void {
+  advance(dt_s: number, viewer: Viewer): void {
     const { members } = this;
     this.viewer = viewer;
     const late_s = Math.max(...members.map(({ backlog_s }) => backlog_s));

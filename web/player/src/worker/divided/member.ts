@@ -1,5 +1,7 @@
 /** One of the workers of a forest: what it has, and what it has not been told or has not answered yet. */
+
 import { type PosePacket, packetBuffers } from "../../core/motion/posePacket";
+import type { Viewer } from "../../core/motion/simulationLevels";
 import type { FromWorker, ShownTrees, ToWorker } from "../protocol";
 import type { Share } from "./shares";
 
@@ -89,7 +91,7 @@ export class Member {
   }
 
   /** Tells it of the time since its last step. The packet that it sent last must have been taken over. */
-  advance(epoch: number, viewer: readonly [number, number]): void {
+  advance(epoch: number, viewer: Viewer): void {
     const { spare, backlog_s: dt_s } = this;
     this.pending++;
     this.spare = null;

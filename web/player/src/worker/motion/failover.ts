@@ -2,6 +2,7 @@
  * The server's stream with the local tables as fallback: the tables move the trees while no frames arrive, and the
  * stream takes over with its next frame. Both use the same wind, so the jump is small; the caller blends it.
  */
+import type { Viewer } from "../../core/motion/simulationLevels";
 import type { WindDocument } from "../../core/wind/document";
 import type { Inspection, PullOrder, TreeAt } from "../protocol";
 import type { LocalMotion } from "./localMotion";
@@ -71,8 +72,8 @@ export class FailoverMotion implements MotionSource {
     this.stream.pause(paused);
   }
 
-  see(x: number, z: number): void {
-    this.local?.see(x, z);
+  see(viewer: Viewer): void {
+    this.local?.see(viewer);
   }
 
   get changed() {

@@ -10,7 +10,7 @@ import { LeveledWind } from "../../core/motion/leveledWind";
 import type { Method } from "../../core/motion/method";
 import { PaperForest } from "../../core/motion/paperSearch";
 import { poseStride } from "../../core/motion/poseStride";
-import { FAR_LEVELS, FramePace } from "../../core/motion/simulationLevels";
+import { FAR_LEVELS, FramePace, type Viewer } from "../../core/motion/simulationLevels";
 import { SteppedTrees, stepsOf } from "../../core/motion/steppedTrees";
 import type { Records } from "../../core/table/records";
 import type { Table } from "../../core/table/table";
@@ -187,9 +187,9 @@ export class LocalMotion implements MotionSource {
     };
   }
 
-  /** Trees far from the viewer (m, world) do without the gusts within their crowns. */
-  see(x: number, z: number): void {
-    for (const { trees } of this.groups) trees.see(x, z);
+  /** Trees far from the viewer or out of view move with less detail. */
+  see(viewer: Viewer): void {
+    for (const { trees } of this.groups) trees.see(viewer);
   }
 
   watch(at: TreeAt | null): void {

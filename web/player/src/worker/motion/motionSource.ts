@@ -1,4 +1,5 @@
 import type { Changed } from "../../core/motion/leveledTrees";
+import type { Viewer } from "../../core/motion/simulationLevels";
 import type { WindDocument } from "../../core/wind/document";
 /** The interface of everything that produces poses. */
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
@@ -19,8 +20,8 @@ export interface MotionSource {
   sendWind?(wind: WindDocument): void;
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause?(paused: boolean): void;
-  /** Tells where the viewer is (m, world); trees far away may move with less detail. */
-  see?(x: number, z: number): void;
+  /** Trees far from the viewer or out of view may move with less detail. */
+  see?(viewer: Viewer): void;
   /** The trees of each group whose poses the last `advance` wrote; null or absent: all of them. */
   readonly changed?: readonly (Changed | null)[];
   /** The tree whose figures are shown, which is stepped fully wherever it is. */

@@ -1,4 +1,5 @@
 /** Poses computed here with the wind and clock of a shared forest. */
+import type { Viewer } from "../../core/motion/simulationLevels";
 import type { WindDocument } from "../../core/wind/document";
 import type { WindField } from "../../core/wind/field";
 import { parseState } from "../../core/wind/transition";
@@ -143,8 +144,8 @@ export class SharedMotion implements MotionSource {
     this.socket.send({ type: "pause", paused });
   }
 
-  see(x: number, z: number): void {
-    this.local.see(x, z);
+  see(viewer: Viewer): void {
+    this.local.see(viewer);
   }
 
   get changed() {

@@ -1,5 +1,6 @@
 /** Messages between a forest and its worker. Types only. */
 
+import type { Viewer } from "../../core/motion/simulationLevels";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import type { WindDocument } from "../../core/wind/document";
 
@@ -19,11 +20,11 @@ export type ToWorker =
   | { readonly kind: "remove"; readonly group: number }
   /** null: velocities come with every frame. */
   | { readonly kind: "wind"; readonly wind: WindDocument | null }
-  /** Returns the frames, filled. `viewer`: x and z, m. */
+  /** Returns the frames, filled. */
   | {
       readonly kind: "advance";
       readonly dt_s: number;
-      readonly viewer: readonly [number, number];
+      readonly viewer: Viewer;
       readonly frames: readonly GroupFrame[];
     };
 

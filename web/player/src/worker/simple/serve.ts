@@ -1,5 +1,6 @@
 /** Answers the messages of a forest, whoever computes its poses. */
 
+import type { Viewer } from "../../core/motion/simulationLevels";
 import { faultOf, fileBytes } from "../../core/net/fileBytes";
 import { drawnBuffers } from "../../core/table/drawnMotion";
 import type { DrawnMotion } from "../../core/table/drawnTable";
@@ -13,7 +14,7 @@ export interface PoseMaker {
   plant(group: number, table: number, placement: Floats): void;
   remove(group: number): void;
   setWind(wind: WindDocument | null): void;
-  advance(dt_s: number, viewer: readonly [number, number], frames: readonly GroupFrame[]): void;
+  advance(dt_s: number, viewer: Viewer, frames: readonly GroupFrame[]): void;
 }
 
 type Post = (message: FromWorker, transfer: Transferable[]) => void;

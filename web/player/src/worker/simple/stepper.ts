@@ -3,6 +3,7 @@
 import { GivenWind } from "../../core/forest/givenWind";
 import { advance, movedTo, type Trees, treesOf } from "../../core/forest/trees";
 import { JointWind } from "../../core/motion/jointWind";
+import type { Viewer } from "../../core/motion/simulationLevels";
 import { drawnMotion } from "../../core/table/drawnMotion";
 import type { DrawnMotion } from "../../core/table/drawnTable";
 import { decodeWithoutRecords, type Table } from "../../core/table/table";
@@ -63,12 +64,12 @@ export class Stepper {
     }
   }
 
-  advance(dt_s: number, [x, z]: readonly [number, number], frames: readonly GroupFrame[]): void {
+  advance(dt_s: number, viewer: Viewer, frames: readonly GroupFrame[]): void {
     if (!this.field) return;
     this.velocities.clear();
     for (const { group, velocity } of frames) {
       const trees = this.groups.get(group)?.trees;
-      trees?.see(x, z);
+      trees?.see(viewer);
       if (trees && velocity) this.velocities.set(group, velocity);
     }
     const all = Array.from(this.groups.values(), (group) => group.trees);
