@@ -105,7 +105,7 @@ export const spruce: Species = {
     leavesPerCard: 640,
     leavesPerSpray: 420,
     sideShoots: 8,
-    fuller: { sideShoots: 18, sideLength: 1.35, leavesPerCard: 2600 },
+    fuller: { sideShoots: 20, sideLength: 1.5, leavesPerCard: 1900 },
     branchedSpray: true,
     angle_deg: 50,
   },
