@@ -23,6 +23,7 @@ const easedOf = ({ metadata, modal }: Table, count: number) =>
 /** Pixels per radian of a picture 720 pixels high with the page's angle of view of 46°. */
 const PX_PER_RAD = 360 / Math.tan((23 * Math.PI) / 180);
 const SPACE_M2 = 36.9;
+
 /** `count` trees of each table at these distances from the middle, by default in a disc as dense as the page's forest. */
 function forest(
   count: number,

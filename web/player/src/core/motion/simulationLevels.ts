@@ -15,11 +15,11 @@ export const FAR_LEVELS = [
 const UNSEEN_FROM_M = [80, 300] as const;
 /** How far (m) beside the view a tree may stand of which something is seen. */
 const BESIDE_M = 12;
-/** Steps of the farthest trees per second; each level nearer takes twice as many. */
+/** Steps per second of trees at the last level; each level before it takes twice as many. */
 const SLOWEST_HZ = 1.875;
 /** Trees keep their level until they are this much (m) nearer than where it begins. */
 const RETURN_M = 10;
-/** Most frames from one step of the farthest trees to the next. */
+/** Most frames from one step of these trees to the next. */
 const MOST_FRAMES = 64;
 /** Weight of a new frame in the mean length of frames, and how far that may change before the periods do. */
 const NEW_FRAME = 0.1;
@@ -45,12 +45,12 @@ export interface Turn {
   readonly periods: readonly number[];
 }
 
-/** Counts frames, and how many the farthest trees wait for their turn at the present frame rate, with a hysteresis. */
+/** Counts frames, and how many the trees at the last level wait for their turn at the present frame rate, with a hysteresis. */
 export class FramePace {
   frame = 0;
   /** Mean length of a frame, s. */
   frame_s = 0;
-  /** Frames between the steps of the farthest trees, a power of two. */
+  /** Frames between the steps of these trees, a power of two. */
   period = 0;
 
   /** Begins a frame that lasts dt_s > 0. */

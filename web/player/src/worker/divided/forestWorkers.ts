@@ -3,7 +3,6 @@
  * have the same wind and clock, so that a tree moves as in a single one. Their poses are passed on as they arrive: trees of a
  * worker that is late stay where they were, and it takes one longer step afterwards.
  */
-
 import type { PosePacket } from "../../core/motion/posePacket";
 import type { Viewer } from "../../core/motion/simulationLevels";
 import type { WindDocument } from "../../core/wind/document";

@@ -1,5 +1,4 @@
 /** One of the workers of a forest: what it has, and what it has not been told or has not answered yet. */
-
 import { type PosePacket, packetBuffers } from "../../core/motion/posePacket";
 import type { Viewer } from "../../core/motion/simulationLevels";
 import type { FromWorker, ShownTrees, ToWorker } from "../protocol";
