@@ -115,7 +115,7 @@ export const apricot: Species = {
     leavesPerSpray: 6,
     sideShoots: 4,
     fuller: { sideShoots: 5, sideLength: 1, leavesPerCard: 34 },
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 50,
   },
   bark: apricotBark(37),

@@ -115,7 +115,7 @@ export const ash: Species = {
     leavesPerSpray: 5,
     sideShoots: 4,
     fuller: { sideShoots: 8, sideLength: 1.1, leavesPerCard: 60 },
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 52,
   },
   bark: furrowedBark(103, { dark: [0.2, 0.18, 0.15], light: [0.62, 0.59, 0.52] }, 9, 6, 0.8),

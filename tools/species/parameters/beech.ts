@@ -115,7 +115,7 @@ export const beech: Species = {
     leavesPerSpray: 8,
     sideShoots: 4,
     fuller: { sideShoots: 6, sideLength: 1, leavesPerCard: 44 },
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 52,
   },
   bark: beechBark(71),

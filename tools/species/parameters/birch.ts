@@ -115,7 +115,7 @@ export const birch: Species = {
     leavesPerSpray: 9,
     sideShoots: 4,
     fuller: { sideShoots: 6, sideLength: 1.05, leavesPerCard: 84 },
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 50,
   },
   bark: birchBark(53),

@@ -114,7 +114,7 @@ export const maple: Species = {
     leavesPerCard: 17,
     leavesPerSpray: 6,
     sideShoots: 4,
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 55,
   },
   bark: mapleBark(23),

@@ -114,7 +114,7 @@ export const oak: Species = {
     leavesPerCard: 26,
     leavesPerSpray: 7,
     sideShoots: 4,
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 46,
   },
   bark: furrowedBark(61, { dark: [0.12, 0.1, 0.085], light: [0.52, 0.48, 0.42] }, 8, 4, 1),

@@ -115,7 +115,7 @@ export const pine: Species = {
     leavesPerSpray: 220,
     sideShoots: 6,
     fuller: { sideShoots: 9, sideLength: 1.1, leavesPerCard: 450 },
-    branchedSpray: true,
+    sprayShoots: {},
     angle_deg: 34,
   },
   bark: pineBark(97),

@@ -113,7 +113,7 @@ export const poplar: Species = {
     leavesPerCard: 22,
     leavesPerSpray: 6,
     sideShoots: 4,
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 52,
   },
   bark: poplarBark(11),

@@ -115,7 +115,7 @@ export const willow: Species = {
     leavesPerSpray: 12,
     sideShoots: 4,
     fuller: { sideShoots: 6, sideLength: 1, leavesPerCard: 84 },
-    branchedSpray: false,
+    sprayShoots: null,
     angle_deg: 32,
   },
   bark: furrowedBark(131, { dark: [0.16, 0.14, 0.11], light: [0.55, 0.51, 0.43] }, 8, 6, 0.95),

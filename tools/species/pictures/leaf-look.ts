@@ -1,6 +1,17 @@
 import type { LeafPoint, Outline } from "./outline";
 import type { Colour } from "./picture";
 
+/** How side shoots differ from usual ones. */
+export interface SideShoots {
+  /** Length and rise of the lowest, relative to usual ones. */
+  sideLength?: number;
+  sideRise?: number;
+  /** How much shorter the uppermost is than the lowest. */
+  shortening?: number;
+  /** Where the lowest starts, relative to the length of the main shoot. */
+  lowest?: number;
+}
+
 /** Appearance of the leaves of a species, and their arrangement on a shoot. */
 export interface LeafLook {
   outline: Outline;
@@ -18,14 +29,9 @@ export interface LeafLook {
   /** Side shoots of the shoot on a card. */
   sideShoots: number;
   /** A fuller shoot, which browsers draw on the card; the leaf area and mass of the tree are those of the other one. */
-  fuller?: {
-    sideShoots: number;
-    /** Length of the side shoots relative to usual ones. */
-    sideLength: number;
-    leavesPerCard: number;
-  };
-  /** Whether the shoot of a spray has side shoots as well. */
-  branchedSpray: boolean;
+  fuller?: SideShoots & { sideShoots: number; leavesPerCard: number };
+  /** Side shoots of the shoot of a spray; null: it has none. */
+  sprayShoots: SideShoots | null;
   /** Angle of the leaves to the shoot, degrees. */
   angle_deg: number;
 }

@@ -43,7 +43,7 @@ const FULLER_CARDS: Sheet = {
   ...CARDS,
   grow: (look, palette, random) => {
     const { sideShoots, leavesPerCard, fuller } = look;
-    const shoots = growShoots(random, sideShoots, leavesPerCard, fuller?.sideLength);
+    const shoots = growShoots(random, sideShoots, leavesPerCard, fuller);
     return fitted(look, leafy(shoots, look, palette, random));
   },
 };
@@ -54,8 +54,8 @@ const SPRAYS: Sheet = {
   tile_px: 384,
   grow: (look, palette, random, tile) => {
     if (tile >= SPRAY_COUNT) return singleLeaf(look, palette);
-    const shoots = look.branchedSpray
-      ? growShoots(random, look.sideShoots, look.leavesPerCard)
+    const shoots = look.sprayShoots
+      ? growShoots(random, look.sideShoots, look.leavesPerCard, look.sprayShoots)
       : growTip(random);
     return fitted(look, leafy(shoots, look, palette, random));
   },

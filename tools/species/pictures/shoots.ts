@@ -1,5 +1,5 @@
 import type { Random } from "../random";
-import type { LeafLook } from "./leaf-look";
+import type { LeafLook, SideShoots } from "./leaf-look";
 import type { LeafPoint } from "./outline";
 import type { Colour } from "./picture";
 
@@ -23,17 +23,26 @@ export interface Shoot {
 /** Points of a shoot: leaves are placed at points, so that there must be as many. */
 const LEAST_POINTS = 25;
 
-/** A main shoot and alternating side shoots, for this number of leaves; `sideLength` 1: side shoots of usual length. */
-export function growShoots(random: Random, sideCount: number, leafCount: number, sideLength = 1): Shoot[] {
+/** Where side shoots end, relative to the length of the main shoot. */
+const UPPERMOST_SIDE = 0.86;
+
+/** A main shoot and alternating side shoots, for this number of leaves. */
+export function growShoots(
+  random: Random,
+  sideCount: number,
+  leafCount: number,
+  { sideLength = 1, sideRise = 1, shortening = 0.48, lowest = 0.18 }: SideShoots = {},
+): Shoot[] {
   const bend = random.around(0, 0.08);
   const points = Math.max(LEAST_POINTS, leafCount);
   const main = curve([0.5, 0], [0.5 + bend, 0.4], [0.5 - bend, 0.78], points);
   const shoots: Shoot[] = [{ points: main, weight: 1 }];
   for (let i = 0; i < sideCount; i++) {
-    const start = main[Math.round((0.18 + (0.68 / sideCount) * i) * (main.length - 1))];
+    const start =
+      main[Math.round((lowest + ((UPPERMOST_SIDE - lowest) / sideCount) * i) * (main.length - 1))];
     const side = i % 2 === 0 ? 1 : -1;
-    const reach = sideLength * random.uniform(0.24, 0.34) * (1 - (0.48 / sideCount) * i);
-    const rise = random.uniform(0.12, 0.24);
+    const reach = sideLength * random.uniform(0.24, 0.34) * (1 - (shortening / sideCount) * i);
+    const rise = sideRise * random.uniform(0.12, 0.24);
     const middle: LeafPoint = [start[0] + side * reach * 0.5, start[1] + rise * 0.7];
     shoots.push({
       points: curve(start, middle, [start[0] + side * reach, start[1] + rise], points),
