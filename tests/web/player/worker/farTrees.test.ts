@@ -75,21 +75,22 @@ test.each([30, 60, 120])("at %i frames per second every distant tree has its tur
   levels.keepNear([700]);
   const turns = new Uint32Array(count);
   const perFrame: number[] = [];
-  for (let frame = 0; frame < 4 * hz; frame++) {
+  for (let frame = 0; frame < 16 * hz; frame++) {
     pace.next(1 / hz);
     const { near, far, periods } = levels.begin(frame / hz, pace);
-    expect(periods).toEqual([hz / 15, hz / 7.5, hz / 3.75, hz / 1.875]);
+    expect(periods).toEqual([hz / 7.5, hz / 3.75, hz / 1.875, hz / 0.9375]);
     for (const tree of [...near, ...far.flatMap((trees) => [...trees])]) turns[tree]++;
     perFrame.push(far.reduce((sum, { length }) => sum + length, 0));
   }
-  const often = (tree: number) => turns[tree] / 4;
+  const often = (tree: number) => turns[tree] / 16;
   expect([0, 149, 700].map(often)).toEqual([hz, hz, hz]);
-  expect([150, 299].map(often)).toEqual([15, 15]);
-  expect([300, 599].map(often)).toEqual([7.5, 7.5]);
-  expect([600, 699, 701, 899].map(often)).toEqual([3.75, 3.75, 3.75, 3.75]);
+  expect([150, 299].map(often)).toEqual([7.5, 7.5]);
+  expect([300, 499].map(often)).toEqual([3.75, 3.75]);
+  expect([500, 699, 701, 849].map(often)).toEqual([1.875, 1.875, 1.875, 1.875]);
+  expect([850, 899].map(often)).toEqual([0.9375, 0.9375]);
   expect(left).toHaveLength(count - 151);
-  // blocks of 32 trees, of three levels
-  expect(Math.max(...perFrame) - Math.min(...perFrame)).toBeLessThanOrEqual(3 * 32);
+  // blocks of 32 trees, of four levels
+  expect(Math.max(...perFrame) - Math.min(...perFrame)).toBeLessThanOrEqual(4 * 32);
 });
 
 test("trees out of view are stepped less often, but not those near the eye", () => {
@@ -100,20 +101,20 @@ test("trees out of view are stepped less often, but not those near the eye", () 
   const pace = new FramePace();
   levels.see([0, 0, 1, 0, Math.cos(0.8)]);
   const turns = new Uint32Array(2 * count);
-  for (let frame = 0; frame < 8 * hz; frame++) {
+  for (let frame = 0; frame < 16 * hz; frame++) {
     pace.next(1 / hz);
     const { near, far } = levels.begin(frame / hz, pace);
     for (const tree of [...near, ...far.flatMap((trees) => [...trees])]) turns[tree]++;
   }
-  const often = (place_m: number) => turns[count + place_m] / 8;
-  expect([0, 149, 150, 299, 300, 599, 600].map(often)).toEqual([hz, hz, 15, 15, 7.5, 7.5, 3.75]);
-  expect([-1, -79, -80, -149, -150, -299, -300, -699].map(often)).toEqual([hz, hz, 15, 15, 7.5, 7.5, 1.875, 1.875]);
+  const often = (place_m: number) => turns[count + place_m] / 16;
+  expect([0, 149, 150, 299, 300, 499, 500, 699].map(often)).toEqual([hz, hz, 7.5, 7.5, 3.75, 3.75, 1.875, 1.875]);
+  expect([-1, -79, -80, -149, -150, -249, -250, -424, -425].map(often)).toEqual([hz, hz, 7.5, 7.5, 3.75, 3.75, 1.875, 1.875, 0.9375]);
 });
 
 test("trees keep their level until they are clearly nearer, and none waits where the clock jumps", () => {
   const levels = new SimulationLevels(Float32Array.of(155), Float32Array.of(0), () => {});
   const pace = new FramePace();
-  const isNear = (viewer: number, frames = 32) => {
+  const isNear = (viewer: number, frames = 64) => {
     levels.see([viewer, 0]);
     let near = false;
     for (let k = 0; k < frames; k++) {

@@ -10,6 +10,7 @@ import { FAR_COORDINATES, leadingCoordinates } from "../../../../web/player/src/
 import { decodeTable, type Table } from "../../../../web/player/src/core/table/table";
 import { WindField } from "../../../../web/player/src/core/wind/field";
 import { PRESETS } from "../../../../web/player/src/core/wind/presets";
+import { FAR_LEVELS } from "../../../../web/player/src/core/motion/simulationLevels";
 import { type LocalGroup, LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
 import { seededRandom } from "../../seeded";
 
@@ -98,14 +99,14 @@ const TURN_RAD = 0.25;
 
 describe("distant trees at 1280 × 720 from eye height, a camera that moves at 5 m/s", () => {
   test.each([
-    ["breeze", 41, null, 140],
-    ["storm-front", 42, null, 140],
-    ["breeze", 44, 0.5, 100],
-    ["storm-front", 45, 0.5, 100],
+    ["breeze", 51, null, 140],
+    ["storm-front", 52, null, 140],
+    ["breeze", 54, 0.5, 100],
+    ["storm-front", 55, 0.5, 100],
   ] as const)("%s (seed %i, turning by %s rad/s): within 0.5 px RMS of the full model, without jumps above 1 px", (preset, seed, turning_rad_s, nearest_m) => {
     const next = seededRandom(seed);
-    const fromM = [nearest_m, 300, 600];
-    const groups = forest(350, next, (share) => 100 + 750 * share);
+    const fromM = [nearest_m, ...FAR_LEVELS.slice(1).map(({ from_m }) => from_m)];
+    const groups = forest(350, next, (share) => 100 + 1000 * share);
     const field = new WindField(PRESETS[preset]);
     const levels = new Shown(new LocalMotion(groups, field, { method: "modal", poseEasing: null }, 0), groups);
     const full = groups.map(({ table, placement }) => treesOf(table, placement));

@@ -4,23 +4,24 @@
  * same. Pure.
  */
 
-/** Levels of distant trees: where they begin (m), and the table steps in one step of their coarse model. The last is for trees out of view. */
+/** Levels of distant trees: where they begin (m), and the table steps in one step of their coarse model. */
 export const FAR_LEVELS = [
   { from_m: 150, steps: 4 },
   { from_m: 300, steps: 4 },
-  { from_m: 600, steps: 8 },
-  { from_m: Number.POSITIVE_INFINITY, steps: 16 },
+  { from_m: 500, steps: 8 },
+  { from_m: 850, steps: 16 },
 ] as const;
-/** Trees out of view are at the next level from the first distance (m) on, and at the last one from the second one on. */
-const UNSEEN_FROM_M = [80, 300] as const;
+/** Trees out of view that are at least this far away (m) have the level of seen trees so many times as far away. */
+const UNSEEN_FROM_M = 80;
+const UNSEEN_TIMES = 2;
 /** How far (m) beside the view a tree may stand of which something is seen. */
 const BESIDE_M = 12;
 /** Steps per second of trees at the last level; each level before it takes twice as many. */
-const SLOWEST_HZ = 1.875;
+const SLOWEST_HZ = 0.9375;
 /** Trees keep their level until they are this much (m) nearer than where it begins. */
 const RETURN_M = 10;
 /** Most frames from one step of these trees to the next. */
-const MOST_FRAMES = 64;
+const MOST_FRAMES = 128;
 /** Weight of a new frame in the mean length of frames, and how far that may change before the periods do. */
 const NEW_FRAME = 0.1;
 const LONGER_FROM = 1.9;
@@ -144,7 +145,7 @@ export class SimulationLevels {
       // the highest level whose turn it is, and with it all below
       let most = periods.length;
       while (most > 0 && (turn & (periods[most - 1] - 1)) !== 0) most--; // periods are powers of two
-      if (most === periods.length) this.update(block, time_s);
+      if (most >= periods.length - 1) this.update(block, time_s); // about twice a second
       if (lowest[block] > most) continue;
       for (let tree = starts[block]; tree < starts[block + 1]; tree++) {
         const own = level[tree];
@@ -179,9 +180,9 @@ export class SimulationLevels {
       const dx = x[tree] - fromX;
       const dz = z[tree] - fromZ;
       const away_m = Math.sqrt(dx * dx + dz * dz);
-      const isSeen = away_m < UNSEEN_FROM_M[0] || dx * aheadX + dz * aheadZ >= cosine * away_m - BESIDE_M;
+      const isSeen = away_m < UNSEEN_FROM_M || dx * aheadX + dz * aheadZ >= cosine * away_m - BESIDE_M;
       const before = level[tree];
-      const now = kept.size > 0 && kept.has(tree) ? 0 : levelAt(away_m, before, isSeen);
+      const now = kept.size > 0 && kept.has(tree) ? 0 : levelAt(isSeen ? away_m : UNSEEN_TIMES * away_m, before);
       level[tree] = now;
       if (before > 0 || now === 0) continue;
       this.until_s[tree] = time_s;
@@ -211,11 +212,9 @@ function blocksOf(count: number, rows: Uint32Array | null): { starts: number[]; 
 }
 
 /** The level at a distance; `before` is the present one. */
-function levelAt(away_m: number, before: number, isSeen: boolean): number {
-  const held = isSeen ? before : before - 1;
+function levelAt(away_m: number, before: number): number {
   let level = 0;
-  while (level < FAR_LEVELS.length && away_m >= FAR_LEVELS[level].from_m - (held > level ? RETURN_M : 0))
+  while (level < FAR_LEVELS.length && away_m >= FAR_LEVELS[level].from_m - (before > level ? RETURN_M : 0))
     level++;
-  if (isSeen) return level;
-  return away_m < UNSEEN_FROM_M[1] ? level + 1 : FAR_LEVELS.length;
+  return level;
 }
