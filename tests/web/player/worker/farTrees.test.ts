@@ -108,7 +108,7 @@ test("trees out of view are stepped less often, but not those near the eye", () 
   }
   const often = (place_m: number) => turns[count + place_m] / 16;
   expect([0, 149, 150, 299, 300, 499, 500, 699].map(often)).toEqual([hz, hz, 7.5, 7.5, 3.75, 3.75, 1.875, 1.875]);
-  expect([-1, -79, -80, -149, -150, -249, -250, -424, -425].map(often)).toEqual([hz, hz, 7.5, 7.5, 3.75, 3.75, 1.875, 1.875, 0.9375]);
+  expect([-1, -79, -84, -166, -167, -277, -278, -472, -473].map(often)).toEqual([hz, hz, 7.5, 7.5, 3.75, 3.75, 1.875, 1.875, 0.9375]);
 });
 
 test("trees keep their level until they are clearly nearer, and none waits where the clock jumps", () => {

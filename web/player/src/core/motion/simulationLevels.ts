@@ -7,13 +7,13 @@
 /** Levels of distant trees: where they begin (m), and the table steps in one step of their coarse model. */
 export const FAR_LEVELS = [
   { from_m: 150, steps: 4 },
-  { from_m: 300, steps: 4 },
+  { from_m: 300, steps: 8 },
   { from_m: 500, steps: 8 },
-  { from_m: 850, steps: 16 },
+  { from_m: 850, steps: 32 },
 ] as const;
 /** Trees out of view that are at least this far away (m) have the level of seen trees so many times as far away. */
 const UNSEEN_FROM_M = 80;
-const UNSEEN_TIMES = 2;
+const UNSEEN_TIMES = 1.8;
 /** How far (m) beside the view a tree may stand of which something is seen. */
 const BESIDE_M = 12;
 /** Steps per second of trees at the last level; each level before it takes twice as many. */
