@@ -182,7 +182,8 @@ export class SimulationLevels {
       const away_m = Math.sqrt(dx * dx + dz * dz);
       const isSeen = away_m < UNSEEN_FROM_M || dx * aheadX + dz * aheadZ >= cosine * away_m - BESIDE_M;
       const before = level[tree];
-      const now = kept.size > 0 && kept.has(tree) ? 0 : levelAt(isSeen ? away_m : UNSEEN_TIMES * away_m, before);
+      const now =
+        kept.size > 0 && kept.has(tree) ? 0 : levelAt(isSeen ? away_m : UNSEEN_TIMES * away_m, before);
       level[tree] = now;
       if (before > 0 || now === 0) continue;
       this.until_s[tree] = time_s;
