@@ -52,6 +52,12 @@ function draw(page: Page, still: boolean, length: typeof FRAME_BLOCK) {
   );
 }
 
+/** Waits for the pictures of distant trees, which take most of a frame while they are drawn. */
+async function untilDrawnFromPictures(page: Page): Promise<void> {
+  const ready = () => window.galewood?.statistics.impostors.ready ?? false;
+  await page.waitForFunction(ready, undefined, { timeout: 600_000, polling: 500 });
+}
+
 export async function measureFrames(
   browser: Browser,
   base: string,
@@ -60,6 +66,7 @@ export async function measureFrames(
 ): Promise<Figure[]> {
   const page = await openPage(browser, base, `trees=${trees}`);
   await untilMoving(page);
+  await untilDrawnFromPictures(page);
   const session = await browser.newBrowserCDPSession();
   await block(page, session, true); // compiles the static shaders
   const [moving, still]: Cost[][] = [[], []];
