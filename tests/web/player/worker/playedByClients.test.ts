@@ -1,7 +1,10 @@
 /** Shared forests that are too large for the server: their clients play them, in one wind under one clock. */
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { MOST_STREAMED_TREES } from "../../../../web/player/src/core/constants";
+import { EasedPoses } from "../../../../web/player/src/core/motion/easedPoses";
+import { packPoses } from "../../../../web/player/src/core/motion/posePacket";
 import { poseStride } from "../../../../web/player/src/core/motion/poseStride";
+import { FAR_COORDINATES, leadingCoordinates } from "../../../../web/player/src/core/table/leadingCoordinates";
 import { decodeTable } from "../../../../web/player/src/core/table/table";
 import { WindField } from "../../../../web/player/src/core/wind/field";
 import { PRESETS } from "../../../../web/player/src/core/wind/presets";
@@ -128,6 +131,8 @@ class Line {
 
 const TREES = 300;
 const FRAME_MS = 16;
+const { modes } = TABLE.metadata;
+const STRIDE = poseStride(modes);
 
 /** Trees up to 500 m apart, of which each visitor is near to others. */
 function placementOf(next: () => number): Float32Array<ArrayBuffer> {
@@ -138,7 +143,9 @@ function placementOf(next: () => number): Float32Array<ArrayBuffer> {
 class Visitor {
   readonly field = new WindField(PRESETS["storm-front"]);
   readonly motion: SharedMotion;
-  readonly poses = [new Float32Array(TREES * poseStride(TABLE.metadata.modes))];
+  readonly poses = [new Float32Array(TREES * STRIDE)];
+  /** What is displayed of these. */
+  private readonly eased = new EasedPoses(TREES, modes, leadingCoordinates(modes, TABLE.modal.step.length / 6, FAR_COORDINATES));
   /** When each tree felt the gust first, on the server's clock, s. */
   readonly felt_s = new Float64Array(TREES).fill(Number.NaN);
   private readonly x_m: Float64Array;
@@ -169,15 +176,22 @@ class Visitor {
     const { field, motion, x_m, z_m, felt_s } = this;
     const [x, z] = this.speed;
     motion.advance(FRAME_MS / 1000, this.poses);
+    this.eased.begin();
+    const group = { poses: this.poses[0], stride: STRIDE, modes, changed: motion.changed[0] ?? null };
+    this.eased.take(packPoses([group], null), 0, { row: 0, near: 0, far: 0 });
     field.velocity(x_m, z_m, field.at(motion.time_s), x, z);
     for (let tree = 0; tree < TREES; tree++)
       if (Number.isNaN(felt_s[tree]) && Math.hypot(x[tree], z[tree]) > 1.1 * STEADY.mean_speed_m_s) felt_s[tree] = server.made_s;
   }
 
-  /** The first coordinate of every tree. */
+  /** The first coordinate of every tree as it is displayed. */
   get sway(): number[] {
-    const stride = poseStride(TABLE.metadata.modes);
-    return Array.from({ length: TREES }, (_, tree) => this.poses[0][tree * stride]);
+    const { eased } = this;
+    return Array.from({ length: TREES }, (_, tree) => {
+      const shown = eased.poses.slice(tree * STRIDE, tree * STRIDE + 1);
+      eased.ease(tree, Uint16Array.of(0), shown, 0);
+      return shown[0];
+    });
   }
 }
 
@@ -198,7 +212,7 @@ describe("the visitors of a forest that the server does not step", () => {
     const next = seededRandom(seed);
     delay_ms = () => 5 + 40 * next();
     const placement = placementOf(next);
-    return [new Visitor(placement, 0, [-250, 0]), new Visitor(placement, 77, [250, 100])];
+    return [new Visitor(placement, 0, [-180, 0]), new Visitor(placement, 77, [180, 70])];
   }
 
   function play(visitors: readonly Visitor[], span_s: number): void {
