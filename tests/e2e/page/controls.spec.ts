@@ -209,4 +209,22 @@ test.describe("graphics", () => {
     await page.waitForFunction((before) => window.galewood!.frame > before + 10, drawn);
     await expect.poll(() => sway_m(page)).toBeGreaterThan(0.01);
   });
+
+  test("graphics that are lost while the first picture is drawn come back as well", async ({ page }) => {
+    await page.addInitScript(() => {
+      const { prototype } = WebGL2RenderingContext;
+      const { fenceSync } = prototype;
+      prototype.fenceSync = function (...args) {
+        prototype.fenceSync = fenceSync;
+        const loss = this.getExtension("WEBGL_lose_context");
+        this.canvas.addEventListener("webglcontextlost", () => setTimeout(() => loss?.restoreContext(), 200));
+        const sync = fenceSync.apply(this, args);
+        loss?.loseContext();
+        return sync;
+      };
+    });
+    await open(page, panelled);
+    await page.waitForFunction(() => (window.galewood?.frame ?? 0) > 10);
+    await expect.poll(() => sway_m(page)).toBeGreaterThan(0.01);
+  });
 });
