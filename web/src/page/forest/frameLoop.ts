@@ -111,8 +111,8 @@ export class FrameLoop {
 
   /** What is around the trees waits until they are there; then it comes piece by piece, and the trees move meanwhile. */
   private get more(): number {
-    const there = this.store.state.treesSeen && this.catalogue.isLoaded;
-    return there || performance.now() > SURROUNDINGS_AFTER_MS ? 1 : 0;
+    if (performance.now() > SURROUNDINGS_AFTER_MS) return 1;
+    return this.store.state.treesSeen && this.catalogue.isLoaded ? 1 : 0;
   }
 
   private countWithTrees(): void {

@@ -133,21 +133,22 @@ export class Catalogue {
 
   /** The built-in trees that are in the mix, the planted uploads, and the trees grown for this forest. */
   private get grown(): Entry[] {
-    return [...this.entries.values()].filter((entry) => this.isGrown(entry));
+    const { builtin } = this;
+    return [...this.entries.values()].filter((entry) => this.isGrown(entry, builtin));
   }
 
   /** Other uploads are listed but not loaded. */
-  private isGrown({ tree }: Entry): boolean {
+  private isGrown({ tree }: Entry, builtin = this.builtin): boolean {
     const { settings, state } = this.store;
     const inventory = state.inventory === "loading" ? null : state.inventory;
     if (tree.grown) return state.individuals.some(({ id }) => id === tree.id);
-    if (tree.builtin) return inventory ? this.standsFor(inventory, tree) : this.isInMix(tree);
+    if (tree.builtin) return inventory ? this.standsFor(inventory, tree) : this.isInMix(tree, builtin);
     return plantedAs(settings, tree.id) !== null || (inventory !== null && isNamedIn(inventory, tree));
   }
 
   /** Whether trees of this built-in species are planted in the forest. */
-  private isInMix(tree: Tree): boolean {
-    const kind = kindOf(toGrown(tree), this.builtin);
+  private isInMix(tree: Tree, builtin: readonly Grown[]): boolean {
+    const kind = kindOf(toGrown(tree), builtin);
     return (this.store.settings.shares[kind] ?? 1) > 0;
   }
 

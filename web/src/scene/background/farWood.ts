@@ -23,9 +23,9 @@ export interface Planted {
 }
 
 /** Each species takes new poses every so many frames, one after the other. */
-const POSE_PERIOD_FRAMES = 4;
+const POSE_PERIOD_FRAMES = 8;
 /** Longer pauses are skipped. */
-const LONGEST_S = 0.5;
+const LONGEST_S = 1;
 
 /** The trees of one species. */
 interface Stand {

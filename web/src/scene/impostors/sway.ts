@@ -71,20 +71,19 @@ export class Sway {
     pressureZ: ArrayLike<number>,
     meanSpeed_m_s: number,
   ): void {
-    const steps = new Map<number, readonly [number, number, number, number]>();
+    const steps: (ReturnType<typeof freeStep> | undefined)[] = [];
     const { frequency_hz, tip_m_pa } = this.sway;
     const damping = this.sway.damping + airDamping(this.sway, meanSpeed_m_s);
     for (let tree = 0; tree < this.scales.length; tree++) {
       const size = this.sizes[tree];
-      let step = steps.get(size);
-      if (!step) {
-        // A larger tree of the same shape sways more slowly, in inverse proportion to its size.
-        step = freeStep((frequency_hz * SIZES_PER_UNIT) / size, damping, dt_s);
-        steps.set(size, step);
-      }
+      // A larger tree of the same shape sways more slowly, in inverse proportion to its size.
+      const step = steps[size] ?? freeStep((frequency_hz * SIZES_PER_UNIT) / size, damping, dt_s);
+      steps[size] = step;
       const scale = this.scales[tree];
       const most_m = MOST_SWAY * this.height_m * scale;
-      const push_m = tip_m_pa * scale * Math.hypot(pressureX[tree], pressureZ[tree]);
+      // The square root, because Math.hypot takes several times as long.
+      const pressure_pa = Math.sqrt(pressureX[tree] * pressureX[tree] + pressureZ[tree] * pressureZ[tree]);
+      const push_m = tip_m_pa * scale * pressure_pa;
       const gain = tip_m_pa * scale * softened(push_m, most_m);
       this.swing(2 * tree, gain * pressureX[tree], step);
       this.swing(2 * tree + 1, gain * pressureZ[tree], step);
