@@ -5,7 +5,7 @@ import { type Figure, median } from "./report";
 import { scriptTimes_ms } from "./script";
 
 const ROUND_COUNT = 5;
-/** Six frames have as many shadow maps in every block, which the lowest quality draws in every third one. */
+/** At the lowest quality, shadow maps are drawn in every third frame: six frames give each block the same number. */
 const FRAME_BLOCK = { frames: 6, longest_ms: 20_000, least_ms: 400 };
 
 interface Cost {
@@ -28,7 +28,7 @@ async function block(page: Page, session: CDPSession, still: boolean): Promise<C
   return { frame_ms: time_ms / frames, processor_ms: used_ms / frames };
 }
 
-/** Draws one block of frames, from the time when the graphics have finished the last one until they have finished this one. */
+/** Draws one block of frames. The time is taken when the graphics have finished, both before and after the block. */
 function draw(page: Page, still: boolean, length: typeof FRAME_BLOCK) {
   return page.evaluate(
     async ({ still, frames, longest_ms, least_ms }) => {
@@ -38,10 +38,11 @@ function draw(page: Page, still: boolean, length: typeof FRAME_BLOCK) {
       if (still) forest.pause();
       else forest.resume();
       const gl = document.querySelector<HTMLCanvasElement>("#view")?.getContext("webgl2");
+      if (!gl) throw new Error("no graphics");
       const next = () => new Promise<number>((done) => requestAnimationFrame(done));
       /** Reading a pixel waits for all that has been drawn. */
       const finished_ms = () => {
-        gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
         return performance.now();
       };
       await next();

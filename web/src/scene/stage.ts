@@ -318,7 +318,7 @@ export class Stage {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
-    // That of graphics that were lost and came back is none any more.
+    // After a lost context has been restored, its old fence is invalid and would never be signalled.
     return () => !sync || !gl.isSync(sync) || gl.getSyncParameter(sync, gl.SYNC_STATUS) === gl.SIGNALED;
   }
 
