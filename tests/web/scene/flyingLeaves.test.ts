@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { groundHeight_m } from "../../../web/src/scene/ground/landscape";
+import { FlyingLeaves } from "../../../web/src/scene/season/flyingLeaves";
 import { type Flight, flightFrom, leafAt, looseShare } from "../../../web/src/scene/season/leafFlight";
 import { SEASONS } from "../../../web/src/scene/season/season";
 import { snowShare } from "../../../web/src/scene/sky/weather";
@@ -18,6 +19,23 @@ function flights(seed: number, count: number): { flight: Flight; wind: { x: numb
 }
 
 describe("leaves that the wind tears off", () => {
+  it("come from the crowns around the eye, but not from those of evergreens", () => {
+    const crownAt = (x: number, falling: number) => [x, 12, 0, 3, 5, 0.4, 0.3, 0.1, falling];
+    const born = (...crowns: number[][]) => {
+      const leaves = new FlyingLeaves("low", () => 0);
+      const given = Float32Array.from(crowns.flat());
+      for (let k = 0; k < 40; k++) leaves.advance(0.05, { x: 15, z: 0 }, "autumn", given, { x: 0, z: 0 });
+      const from = leaves.mesh.geometry.getAttribute("aFrom");
+      const xs = Array.from({ length: from.count }, (_, k) => from.getX(k)).filter((x) => x < 1e8);
+      leaves.dispose();
+      return xs;
+    };
+    expect(born(crownAt(0, 0))).toEqual([]);
+    const both = born(crownAt(0, 0), crownAt(30, 1));
+    expect(both.length).toBeGreaterThan(20);
+    for (const x of both) expect(Math.abs(x - 30)).toBeLessThan(3);
+  });
+
   it("repeats the same flight for the same leaf and wind", () => {
     const from = { x: 1, y: 9, z: -3 };
     const wind = { x: 12, z: 4 };

@@ -32,7 +32,7 @@ test("below closed clouds the eye adapts to the shade of crowns in the evening, 
   const low = new Vector3(0.6, 0.1, 0.6).normalize();
   const sky = { advance: () => {}, behindCloud: () => 0, show: () => {} } as unknown as Sky;
   const daylight = { towardsSun: low, show: () => {} } as unknown as Daylight;
-  const crowns = Float32Array.from([-12, 0, 12, 24].flatMap((z) => [12, 9, z, 8, 9, 0.1, 0.2, 0.05]));
+  const crowns = Float32Array.from([-12, 0, 12, 24].flatMap((z) => [12, 9, z, 8, 9, 0.1, 0.2, 0.05, 1]));
   /** Exposure beside the crowns relative to that in the open. */
   const adapted = (wind_m_s: number) => {
     const lighting = new Lighting(sky, daylight);

@@ -43,15 +43,30 @@ test("the ground reads six pictures at most, and the snow's only where snow lies
   expect(times(code, "uniform float uBias;")).toBe(1);
 });
 
+const make = materialsOf({
+  anisotropy: 1,
+  smoothEdges: false,
+  relief: false,
+  gloss: false,
+  surface: {} as never,
+  atmosphere: aerialPerspective,
+});
+
+test("leaves of evergreens, and nothing else, show no undersides", () => {
+  const shader = shaderOf(ShaderLib.standard);
+  patchColour(shader, "leaves", true, aerialPerspective);
+  const { fragmentShader: code } = shader;
+  const underside = code.indexOf("vec3 underside =");
+  expect(code.lastIndexOf("#ifndef EVERGREEN", underside)).toBeGreaterThan(code.lastIndexOf("#endif", underside));
+  const defined = (part: "leaves" | "wood", evergreen: boolean) => {
+    const from = new MeshStandardMaterial();
+    from.userData.evergreen = evergreen;
+    return "EVERGREEN" in (make(from, part, {} as never, true).colour.defines ?? {});
+  };
+  expect([defined("leaves", true), defined("leaves", false), defined("wood", true)]).toEqual([true, false, false]);
+});
+
 test("only leaves whose picture is known to have tiles of shoots repeat them where they are enlarged", () => {
-  const make = materialsOf({
-    anisotropy: 1,
-    smoothEdges: false,
-    relief: false,
-    gloss: false,
-    surface: {} as never,
-    atmosphere: aerialPerspective,
-  });
   const tiled = (part: "leaves" | "wood", shoots: boolean) => {
     const from = new MeshStandardMaterial({ map: new Texture(), alphaTest: 0.4 });
     from.userData.shoots = shoots;

@@ -7,13 +7,14 @@ import { KIND_LOOKS, PLANT_KINDS, seenIn } from "../../../web/src/scene/ground/p
 import { clearance_m, fernAt, leafAt, logAt, saplingAt, shrubAt, stoneAt, stumpAt } from "../../../web/src/scene/ground/undergrowthPlaces";
 import { placeTrees } from "../../../web/src/scene/placement";
 import { undergrowthTint } from "../../../web/src/scene/season/palette";
+import { CROWN_FLOATS } from "../../../web/src/scene/sky/exposure";
 import { SEASON_LOOKS, SEASONS, type Season } from "../../../web/src/scene/season/season";
 import { PLANT_SIDE, paintPlants } from "../../../web/src/scene/textures/plantPictures";
 import { seededRandom } from "../seeded";
 
 const places = placeTrees(400, 7);
 const crowns = Float32Array.from(
-  places.flatMap(({ x_m, z_m }) => [x_m, groundHeight_m(x_m, z_m) + 8, z_m, 2.5, 4.5, 0.5, 0.3, 0.05]),
+  places.flatMap(({ x_m, z_m }) => [x_m, groundHeight_m(x_m, z_m) + 8, z_m, 2.5, 4.5, 0.5, 0.3, 0.05, 1]),
 );
 const trunks = new Trunks(crowns);
 
@@ -125,6 +126,21 @@ describe("undergrowth", () => {
     const { autumn, summer } = SEASON_LOOKS;
     expect(count(autumn.fallen, true)).toBeGreaterThan(8 * count(summer.fallen, true));
     expect(count(autumn.fallen, true)).toBeGreaterThan(100);
+  });
+
+  it("leaves the ground below evergreens without fallen leaves", () => {
+    const evergreens = new Trunks(crowns.map((value, k) => (k % CROWN_FLOATS === CROWN_FLOATS - 1 ? 0 : value)));
+    const count = (trunks: Trunks) => {
+      let sum = 0;
+      for (let row = -60; row < 60; row++) {
+        for (let column = -60; column < 60; column++) {
+          if (leafAt(column, row, 0.35, trunks, SEASON_LOOKS.autumn.fallen).size_m > 0) sum++;
+        }
+      }
+      return sum;
+    };
+    expect(count(trunks)).toBeGreaterThan(100);
+    expect(count(evergreens)).toBe(0);
   });
 
   it("takes the colour of fallen leaves from their tree in autumn, and all colours are valid", () => {

@@ -125,7 +125,7 @@ describe("a cloud before the sun", () => {
 });
 
 describe("exposure", () => {
-  const GREEN = [0.1, 0.2, 0.04];
+  const GREEN = [0.1, 0.2, 0.04, 1];
   const sun = { x: 0.3, y: 0.9, z: Math.sqrt(1 - 0.09 - 0.81) };
   const gaze: Gaze = {
     eye: { x: 0, y: 1.7, z: 0 },

@@ -175,13 +175,14 @@ function writeCrown(
   at: number,
   data: Float32Array,
   tree: number,
-  { height_m, radius_m }: TreeModel,
+  { height_m, radius_m, evergreen }: TreeModel,
 ): void {
   const scale = data[tree + 6];
   const tall = 0.5 * (1 - TRUNK_HEIGHT_SHARE) * height_m * scale;
   const middle = data[tree + 1] + TRUNK_HEIGHT_SHARE * height_m * scale + tall;
   crowns.set([data[tree], middle, data[tree + 2], CROWN_FILL_SHARE * radius_m * scale, tall], at);
   crowns.set(data.subarray(tree + 8, tree + 11), at + 5);
+  crowns[at + 8] = evergreen ? 0 : 1;
 }
 
 export class Forest {

@@ -2,7 +2,7 @@
 import { describe, expect, test } from "vitest";
 import { seededRandom } from "../../../../tools/species/random";
 import { leafSize, MOST_SHARE, nearRank, pieceSize, sharesOf } from "../../../../web/player/src/trees/detail";
-import { leafSprays, SPRAY_VERTICES, SPRAYS_PER_CARD } from "../../../../web/src/scene/treeModel/leafSprays";
+import { forEachSpray, leafSprays, OF_LEAVES, OF_NEEDLES, SPRAY_VERTICES, SPRAYS_PER_CARD, type SprayHabit } from "../../../../web/src/scene/treeModel/leafSprays";
 import { type Point, cross, dot, minus, plus, unit } from "../../../../web/src/scene/treeModel/points";
 import { SHEET_ROWS, SPRAY_TILES } from "../../../../web/src/scene/treeModel/sprayTiles";
 
@@ -79,6 +79,20 @@ describe("sprays in place of leaf cards", () => {
       expect(area / sides_m[card] ** 2).toBeGreaterThan(1.6);
       expect(area / sides_m[card] ** 2).toBeLessThan(2.9);
     }
+  });
+
+  test("of needles lie nearer to the shoot, and their tips hang lower", () => {
+    const meanAngle = (habit: SprayHabit) => {
+      let sum = 0;
+      forEachSpray(given, habit, ({ axis }, _, first) => {
+        sum += Math.acos(dot(axis, unit(minus(at(given.positions, first + 3), at(given.positions, first)))));
+      });
+      return sum / (CARD_COUNT * SPRAYS_PER_CARD);
+    };
+    expect(meanAngle(OF_NEEDLES)).toBeLessThan(0.6 * meanAngle(OF_LEAVES));
+    const height = (habit: SprayHabit) => leafSprays(given, habit).positions.reduce((sum, y, k) => sum + (k % 3 === 1 ? y : 0), 0);
+    const sameSides = { ...OF_NEEDLES, hang_share: OF_LEAVES.hang_share };
+    expect(height(OF_NEEDLES)).toBeLessThan(height(sameSides));
   });
 
   test("show each a whole tile of the picture, mirrored or not", () => {

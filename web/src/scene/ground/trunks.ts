@@ -31,9 +31,9 @@ export class Trunks {
     return { away_m, crown };
   }
 
-  /** Half width of a crown, m, and the colour of its leaves. */
-  crownOf(crown: number): { wide_m: number; colour: readonly [number, number, number] } {
-    const [wide_m, , r, g, b] = this.crowns.subarray(crown + 3, crown + CROWN_FLOATS);
-    return { wide_m, colour: [r, g, b] };
+  /** Half width of a crown, m, the colour of its leaves, and whether they fall. */
+  crownOf(crown: number): { wide_m: number; colour: readonly [number, number, number]; sheds: boolean } {
+    const [wide_m, , r, g, b, falling] = this.crowns.subarray(crown + 3, crown + CROWN_FLOATS);
+    return { wide_m, colour: [r, g, b], sheds: falling > 0 };
   }
 }

@@ -138,7 +138,9 @@ export function leafAt(
   const { at, x, z } = placeIn(column, row, spacing_m, 227);
   const { away_m, crown } = trunks.nearest(x, z);
   if (crown < 0) return NO_PLANT;
-  const below = 1 - smoothstep(0.7, 1.7, away_m / Math.max(0.5, trunks.crownOf(crown).wide_m));
+  const { wide_m, sheds } = trunks.crownOf(crown);
+  if (!sheds) return NO_PLANT;
+  const below = 1 - smoothstep(0.7, 1.7, away_m / Math.max(0.5, wide_m));
   if (at(2) > fallen * (0.08 + 0.85 * below) || away_m < 0.35) return NO_PLANT;
   return { x, z, size_m: 0.06 + 0.06 * at(3), turn: at(4), hue: at(5), crown };
 }

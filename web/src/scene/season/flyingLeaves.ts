@@ -70,6 +70,11 @@ const LIGHT_GLSL = /* glsl */ `
 reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * 0.2 * mix(uSunColour, directLight.color, 0.6);
 `;
 
+/** The crowns whose leaves fall. */
+function sheddingOf(crowns: Crowns): Crowns {
+  return crowns.filter((_, k) => crowns[k - (k % CROWN_FLOATS) + CROWN_FLOATS - 1] > 0);
+}
+
 export class FlyingLeaves {
   readonly mesh: Mesh<InstancedBufferGeometry, MeshLambertMaterial>;
   private readonly clock = { value: 0 };
@@ -78,6 +83,8 @@ export class FlyingLeaves {
   private count = 0;
   private due = 0;
   private last_s = Number.NEGATIVE_INFINITY;
+  private given: Crowns | null = null;
+  private shedding: Crowns = new Float32Array(0);
 
   constructor(
     quality: Quality,
@@ -134,7 +141,7 @@ export class FlyingLeaves {
     this.count = 0;
   }
 
-  /** Lets leaves fly for dt_s from these crowns, which have a colour each. */
+  /** Lets leaves fly for dt_s from those of these crowns that are not evergreen. */
   advance(
     dt_s: number,
     wind_m_s: { x: number; z: number },
@@ -144,10 +151,12 @@ export class FlyingLeaves {
   ): void {
     this.clock.value += dt_s;
     const rate = (this.most / LIFE_S) * looseShare(Math.hypot(wind_m_s.x, wind_m_s.z), season);
-    this.due = crowns.length > 0 ? this.due + rate * dt_s : 0;
+    if (crowns !== this.given) [this.given, this.shedding] = [crowns, sheddingOf(crowns)];
+    const { shedding } = this;
+    this.due = shedding.length > 0 ? this.due + rate * dt_s : 0;
     const fresh = Math.min(this.most, Math.floor(this.due));
     this.due -= Math.floor(this.due);
-    for (let k = 0; k < fresh; k++) this.release(wind_m_s, crowns, eye, dt_s * ((k + 0.5) / fresh));
+    for (let k = 0; k < fresh; k++) this.release(wind_m_s, shedding, eye, dt_s * ((k + 0.5) / fresh));
     if (fresh > 0) this.upload(fresh);
     this.mesh.visible = season !== "winter" && this.clock.value < this.last_s;
   }

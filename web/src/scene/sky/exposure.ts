@@ -11,9 +11,11 @@ export interface Vector {
   readonly z: number;
 }
 
-/** Crowns as upright ellipsoids, packed: centre (x, y, z), half width, half height, m; colour of the leaves. */
+/**
+ * Crowns as upright ellipsoids, packed: centre (x, y, z), half width, half height, m; colour of the leaves; 1 if these
+ * fall, 0 of evergreens. */
 export type Crowns = Float32Array;
-export const CROWN_FLOATS = 8;
+export const CROWN_FLOATS = 9;
 
 /** Rays of the view, across × up. */
 const RAYS = { across: 5, up: 3 } as const;

@@ -10,7 +10,7 @@ import {
   type SingleLeaves,
 } from "galewood/trees";
 import { bareShoots, type CardMesh } from "./bareShoots";
-import { leafSprays, SPRAY_VERTICES } from "./leafSprays";
+import { leafSprays, SPRAY_VERTICES, type SprayHabit } from "./leafSprays";
 import { dot, type Point, plus, unit } from "./points";
 import { placedSprays } from "./singleLeaves";
 import { type AddedArrays, evenColour } from "./wood/addedWood";
@@ -107,10 +107,10 @@ export const sprayStemsOf = (read: readonly ReadPart[]): AddedArrays[] =>
   });
 
 /** Sprays in place of leaf cards. */
-export const spraysOf = (read: readonly ReadPart[]): AddedArrays[] =>
+export const spraysOf = (read: readonly ReadPart[], habit: SprayHabit): AddedArrays[] =>
   read.flatMap((leaves, of): AddedArrays[] => {
     if (leaves.part.kind !== "leaves") return [];
-    const { uvs, ...mesh } = leafSprays(cardMesh(leaves));
+    const { uvs, ...mesh } = leafSprays(cardMesh(leaves), habit);
     const { colours, normals: crown } = leaves.part;
     const look = { kind: "leaves", uvs, colours: colours && ofCards(colours, mesh.card) } as const;
     const normals = crownNormals(mesh, crown);

@@ -22,14 +22,23 @@ export interface SprayMesh {
 /** Sprays of a card: along the shoot, to both sides in turn, and the last one at its tip. */
 const FEET_SHARES = [0.03, 0.16, 0.29, 0.41, 0.5, 0.42] as const;
 export const SPRAYS_PER_CARD = FEET_SHARES.length;
-/** Angle to the shoot, and how far a spray turns out of the plane of the card and about its own axis, rad. */
-const SIDE_RAD = 0.85;
+/** How the sprays of a shoot lie. */
+export interface SprayHabit {
+  /** Angle to the shoot of those at its sides, rad. */
+  readonly side_rad: number;
+  /** How far the tip of a spray hangs, relative to its length. */
+  readonly hang_share: number;
+}
+export const HANG_SHARE = 0.13;
+export const OF_LEAVES: SprayHabit = { side_rad: 0.85, hang_share: HANG_SHARE };
+/** Sprays of needles lie along the shoot. */
+export const OF_NEEDLES: SprayHabit = { side_rad: 0.4, hang_share: 0.25 };
 const TIP_RAD = 0.15;
+/** How far a spray turns out of the plane of the card and about its own axis, rad. */
 const OUT_RAD = 1;
 const ROLL_RAD = 0.8;
-/** A spray arches: its middle rises and its tip hangs, relative to its length. */
+/** A spray arches: its middle rises, relative to its length. */
 export const ARCH_SHARE = 0.07;
-export const HANG_SHARE = 0.13;
 /** Rows of vertices along a spray, two in each. */
 const ROW_COUNT = 3;
 export const SPRAY_VERTICES = 2 * ROW_COUNT;
@@ -60,12 +69,17 @@ function frameOf({ from, to, across, size }: Shoot): ShootFrame {
   return { from, to, size, along, right, out: cross(right, along) };
 }
 
-/** A spray of a shoot; `number`: of all sprays. */
-function sprayOf({ from, to, size, along, right, out }: ShootFrame, k: number, number: number): Spray {
+/** A spray of a shoot at this angle to its side; `number`: of all sprays. */
+function sprayOf(
+  { from, to, size, along, right, out }: ShootFrame,
+  side_rad: number,
+  k: number,
+  number: number,
+): Spray {
   const random = (channel: number) => hashUnit(number, channel) - 0.5;
   const side = between(right, out, (k % 2 ? Math.PI : 0) + 2 * OUT_RAD * random(1));
   const last = k === SPRAYS_PER_CARD - 1;
-  const axis = between(along, side, (last ? TIP_RAD : SIDE_RAD) * (1 + 0.5 * random(2)));
+  const axis = between(along, side, (last ? TIP_RAD : side_rad) * (1 + 0.5 * random(2)));
   const facing = unit(plus(out, axis, -dot(out, axis)));
   return {
     foot: pointAlong(from, to, FEET_SHARES[k]),
@@ -83,7 +97,7 @@ function put(to: Float32Array, vertex: number, [x, y, z]: Point): void {
   to[3 * vertex + 2] = z;
 }
 
-function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): void {
+function addSpray(mesh: SprayMesh, spray: Spray, hang_share: number, number: number, card: number): void {
   const { foot, axis, facing, length, tile, mirrored } = spray;
   const across = cross(axis, facing);
   const { columns } = SPRAY_TILES;
@@ -92,7 +106,7 @@ function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): 
   for (let r = 0; r < ROW_COUNT; r++) {
     const v = r / (ROW_COUNT - 1);
     const arched = plus(plus(foot, axis, v * length), facing, 4 * ARCH_SHARE * v * (1 - v) * length);
-    const middle: Point = [arched[0], arched[1] - HANG_SHARE * v * v * length, arched[2]];
+    const middle: Point = [arched[0], arched[1] - hang_share * v * v * length, arched[2]];
     const normal = unit(plus(facing, axis, 4 * ARCH_SHARE * (2 * v - 1)));
     for (let u = 0; u < 2; u++) {
       const vertex = base + 2 * r + u;
@@ -112,19 +126,20 @@ function addSpray(mesh: SprayMesh, spray: Spray, number: number, card: number): 
 /** Calls `take` with each spray in place of leaf cards, its number, and the first vertex of its card. */
 export function forEachSpray(
   cards: CardMesh,
+  { side_rad }: SprayHabit,
   take: (spray: Spray, number: number, first: number) => void,
 ): void {
   cards.first.forEach((first, card) => {
     const frame = frameOf(shootOf(cards.positions, first, card));
     for (let k = 0; k < SPRAYS_PER_CARD; k++) {
       const number = card * SPRAYS_PER_CARD + k;
-      take(sprayOf(frame, k, number), number, first);
+      take(sprayOf(frame, side_rad, k, number), number, first);
     }
   });
 }
 
 /** The sprays in place of leaf cards. */
-export function leafSprays(cards: CardMesh): SprayMesh {
+export function leafSprays(cards: CardMesh, habit = OF_LEAVES): SprayMesh {
   const sprays = cards.first.length * SPRAYS_PER_CARD;
   const vertices = sprays * SPRAY_VERTICES;
   const mesh: SprayMesh = {
@@ -135,6 +150,8 @@ export function leafSprays(cards: CardMesh): SprayMesh {
     card: new Uint32Array(vertices),
     bases: new Float32Array(3 * vertices),
   };
-  forEachSpray(cards, (spray, number, first) => addSpray(mesh, spray, number, first));
+  forEachSpray(cards, habit, (spray, number, first) => {
+    addSpray(mesh, spray, habit.hang_share, number, first);
+  });
   return mesh;
 }

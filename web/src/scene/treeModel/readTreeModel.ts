@@ -10,6 +10,7 @@ import {
 } from "galewood/trees";
 import type { MeshStandardMaterial, Texture } from "three";
 import { barePartsOf, singlesOf, sprayStemsOf, spraysOf, twigsOf } from "./cardParts";
+import { OF_LEAVES, OF_NEEDLES } from "./leafSprays";
 import { openTree, type TreePictures } from "./openTree";
 import { sprayShapes } from "./singleLeaves";
 import type { ReadTree, TreeKind } from "./treeArrays";
@@ -17,11 +18,15 @@ import { treeReader } from "./treeReader";
 import type { AddedArrays } from "./wood/addedWood";
 
 /** The material of the leaves with another picture; null for a tree without leaves. */
-function spraysMaterial(parts: readonly TreePart[], picture: Texture): MeshStandardMaterial | null {
+function spraysMaterial(
+  parts: readonly TreePart[],
+  picture: Texture,
+  evergreen: boolean,
+): MeshStandardMaterial | null {
   const material = parts.find(({ kind }) => kind === "leaves")?.material.clone() ?? null;
   if (material) {
     material.map = picture;
-    material.userData = {};
+    material.userData = { evergreen };
   }
   return material;
 }
@@ -39,8 +44,11 @@ function modelOf(
   { varied, evergreen }: TreeKind,
 ): TreeModel {
   const parts = read.map(({ part }, k) => drawnPart(part, materials[k]));
-  for (const { kind, material } of parts) material.userData.shoots = varied && kind === "leaves";
-  const ofSprays = sprays && spraysMaterial(parts, sprays);
+  for (const { kind, material } of parts) {
+    Object.assign(material.userData, { shoots: varied && kind === "leaves", evergreen });
+  }
+  const ofSprays = sprays && spraysMaterial(parts, sprays, evergreen);
+  const habit = drawnSprays ? OF_LEAVES : OF_NEEDLES;
   const ofTwigs = () => materials[twigsOf(read)];
   let bareParts: AddedPart[] | null = null;
   let nearParts: AddedPart[] | null = null;
@@ -55,7 +63,7 @@ function modelOf(
     added: drawn(added, (of) => materials[of]),
     get near() {
       nearParts ??= ofSprays
-        ? [...drawn(sprayStemsOf(read), ofTwigs), ...drawn(spraysOf(read), () => ofSprays)]
+        ? [...drawn(sprayStemsOf(read), ofTwigs), ...drawn(spraysOf(read, habit), () => ofSprays)]
         : [];
       return nearParts;
     },

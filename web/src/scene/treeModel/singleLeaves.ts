@@ -5,7 +5,7 @@
 import { hashUnit } from "galewood/random";
 import type { SprayShape } from "galewood/trees";
 import type { CardMesh } from "./bareShoots";
-import { ARCH_SHARE, forEachSpray } from "./leafSprays";
+import { ARCH_SHARE, forEachSpray, OF_LEAVES } from "./leafSprays";
 import { between, cross, type Point, plus, unit } from "./points";
 import { type DrawnLeaf, type DrawnSprays, SHEET_ROWS, SPRAY_TILES } from "./sprayTiles";
 
@@ -148,7 +148,7 @@ export function placedSprays(
   const shapes: number[] = [];
   const firsts: number[] = [];
   const floats: number[] = [];
-  forEachSpray(cards, ({ foot, axis, facing, length, tile, mirrored }, number, first) => {
+  forEachSpray(cards, OF_LEAVES, ({ foot, axis, facing, length, tile, mirrored }, number, first) => {
     shapes.push(tile);
     firsts.push(first);
     floats.push(...foot, look.limb(first), ...plus([0, 0, 0], axis, length), hashUnit(number, 7));

@@ -16,7 +16,8 @@ import {
   ZeroFactor,
 } from "three";
 import { OTHER_LEAF_SHARE, SINGLE_ATTRIBUTES, SINGLE_LEAF_SHARE } from "./closeShader";
-import { ALPHA_TEST, type AtmosphereShader, patchColour, type SurfaceUniforms } from "./treeLight";
+import { ALPHA_TEST } from "./leafColour";
+import { type AtmosphereShader, patchColour, type SurfaceUniforms } from "./treeLight";
 
 function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
   if (texture) texture.anisotropy = anisotropy;
@@ -98,6 +99,7 @@ function colourMaterial(
   if (leaves && options.smoothEdges) material.defines = { ...material.defines, CUTICLE: "" };
   if (single) material.defines = { ...material.defines, SINGLE_LEAVES: "" };
   if (from.userData.merged) material.defines = { ...material.defines, MERGED: "" };
+  if (leaves && from.userData.evergreen) material.defines = { ...material.defines, EVERGREEN: "" };
   if (leaves && from.userData.shoots) material.defines = { ...material.defines, SHOOT_TILES: "" };
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
