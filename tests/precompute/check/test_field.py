@@ -13,11 +13,11 @@ from galewood.check.field import (
     FieldOptions,
     Measurement,
     comparison,
+    diameter_cm,
     read_measurements,
     run_field,
 )
 from galewood.check.field.comparison import options_of
-from galewood.check.field.simulated import diameter_cm
 from galewood.check.field.statistics import agreement, broadleaf_hz, conifer_hz, determination, left_out
 from galewood.check.field.summary import summarised
 from galewood.check.verify.beams import pole_frequencies
@@ -27,7 +27,7 @@ from galewood.util import Cancelled
 from galewood.wood import wood_of_species
 from typer.testing import CliRunner
 
-from tests.precompute.fixtures.tree_meshes import obj_bytes, tube
+from tests.precompute.fixtures.tree_meshes import Surface, obj_bytes, tube
 
 OAK = wood_of_species("oak")
 POLES = {"thin": (5.0, 0.05), "middle": (5.0, 0.07), "thick": (6.0, 0.11)}
@@ -152,6 +152,35 @@ def test_the_diameter_of_a_prism():
     expected = 100 * np.sqrt(4 * area / np.pi)
     assert diameter_cm(surface.vertices, surface.faces, 1.3) == pytest.approx(expected)
     assert diameter_cm(surface.vertices, surface.faces, 3.5) is None
+    loose = surface.vertices[surface.faces].reshape(-1, 3)  # no face shares a corner with another
+    assert diameter_cm(loose, np.arange(len(loose)).reshape(-1, 3), 1.3) == pytest.approx(expected)
+
+
+def joined_cm(*surfaces: Surface) -> float | None:
+    """The diameter at 1.3 m of bodies in one mesh, none of which is changed where they overlap."""
+    before = np.cumsum([0, *(len(one.vertices) for one in surfaces)])
+    faces = [one.faces + first for one, first in zip(surfaces, before, strict=False)]
+    return diameter_cm(np.concatenate([one.vertices for one in surfaces]), np.concatenate(faces), 1.3)
+
+
+def test_boughs_that_hang_to_breast_height_are_no_part_of_the_stem():
+    stem = tube((0, 0, 0), (0, 10, 0), 0.2, 0.2, sides=24)
+    alone = diameter_cm(stem.vertices, stem.faces, 1.3)
+    # One leaves the stem at that height, nearly level; one comes down from above; one lies along the plane.
+    boughs = [
+        tube((0, 1.31, 0), (3, 1.29, 0.4), 0.03, 0.02, sides=12),
+        tube((0, 2, 0), (-2, 0.8, 1), 0.04, 0.01, sides=12),
+        tube((0.1, 1.3, 0.1), (0.5, 1.3, -3), 0.05, 0.05, sides=12),
+    ]
+    assert joined_cm(stem, *boughs) == pytest.approx(alone)
+
+
+def test_the_stems_of_a_forked_tree_add_their_areas():
+    stems = [
+        tube((x, 0, 0), (3 * x, 8, 0), radius, radius, sides=32) for x, radius in ((-0.5, 0.15), (0.5, 0.1))
+    ]
+    each = [diameter_cm(one.vertices, one.faces, 1.3) or 0.0 for one in stems]
+    assert joined_cm(*stems) == pytest.approx(math.hypot(*each))
 
 
 # ---- a folder of poles ------------------------------------------------------------------------------

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
+from galewood.check.field.stem_section import diameter_cm
 from galewood.constants import BREAST_HEIGHT_M
 from galewood.formats import mesh_with_companions
 from galewood.options import BuildRequest
 from galewood.solid.fem import FemModel, FemSettings
 from galewood.solid.model import tree_model
 from galewood.tree import TreeMesh, import_mesh_sandboxed
-from galewood.util import Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -51,27 +49,3 @@ def dbh_cm_of(mesh: TreeMesh) -> float | None:
     """Diameter at 1.3 m, cm, as scanned or as the mesh has it; None: the tree is lower."""
     scanned = mesh.report.get("qsm", {}).get("dbh_cm")
     return float(scanned) if scanned else diameter_cm(mesh.wood_vertices_m, mesh.wood_faces, BREAST_HEIGHT_M)
-
-
-def diameter_cm(vertices_m: Floats, faces: Ints, height_m: float) -> float | None:
-    """Diameter of the circle with the area of the wood's section at a height, cm; None: no wood there.
-
-    The area is summed over the segments in which the faces cut the plane (Green's theorem).
-    """
-    corner = vertices_m[faces]
-    above = corner[:, :, 1] > height_m
-    cut = corner[above.any(axis=1) & ~above.all(axis=1)]
-    if not len(cut):
-        return None
-    high = cut[:, :, 1] > height_m
-    # Turn each face so that its single corner on one side comes first.
-    lone = np.where(high.sum(axis=1) == 1, high.argmax(axis=1), (~high).argmax(axis=1))
-    cut = np.take_along_axis(cut, ((lone[:, None] + np.arange(3)) % 3)[:, :, None], axis=1)
-    ends: list[Floats] = []
-    for other in (1, 2):
-        share = (height_m - cut[:, 0, 1]) / (cut[:, other, 1] - cut[:, 0, 1])
-        ends.append(cut[:, 0] + share[:, None] * (cut[:, other] - cut[:, 0]))
-    sign = np.where(cut[:, 0, 1] > height_m, 1.0, -1.0)
-    cross = ends[0][:, 0] * ends[1][:, 2] - ends[0][:, 2] * ends[1][:, 0]
-    area = abs(float((sign * cross).sum())) / 2
-    return 100 * float(np.sqrt(4 * area / np.pi)) if area > 0 else None

@@ -23,7 +23,7 @@ from galewood.table import Foliage
 from galewood.util import write_atomically
 from galewood.wood import wood_of_species
 
-FORMS_VERSION = 1
+FORMS_VERSION = 2
 """Increases when the same meshes and woods give another bending."""
 DIGIT_COUNT = 7
 
