@@ -26,7 +26,7 @@ export const spruce: Species = {
     },
     branching: [
       {
-        count: [44, 26],
+        count: [33, 20],
         start: 0.09,
         angle_deg: [104, 100, 94, 86, 74, 58],
         length: [13, 12.4, 10.6, 8.2, 5, 1],
