@@ -29,10 +29,12 @@ export interface SprayHabit {
   /** How far the tip of a spray hangs, relative to its length. */
   readonly hang_share: number;
 }
+/** That of sprays of leaves, single leaves included. */
 export const HANG_SHARE = 0.13;
 export const OF_LEAVES: SprayHabit = { side_rad: 0.85, hang_share: HANG_SHARE };
 /** Sprays of needles lie along the shoot. */
 export const OF_NEEDLES: SprayHabit = { side_rad: 0.4, hang_share: 0.25 };
+/** Angle to the shoot of the spray at its tip, rad. */
 const TIP_RAD = 0.15;
 /** How far a spray turns out of the plane of the card and about its own axis, rad. */
 const OUT_RAD = 1;

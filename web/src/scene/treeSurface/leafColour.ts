@@ -118,8 +118,8 @@ diffuseColor.rgb *= mix(vec3(1.05, 1.01, 0.85), vec3(0.92, 1.02, 1.05), fract(vP
 
 /**
  * In strong wind leaves, other than those of evergreens, turn over and show their undersides, which scatter more light and have less
- * colour than the glossy side: crowns flash pale where a gust passes. Wind, m/s, at which the first leaves turn over, and at which the most do; their largest share, and the
- * lightness of the underside over that of the upper side (assumed). Distant crowns, whose pictures do not know the wind, stay as they
+ * colour than the glossy side: crowns flash pale where a gust passes. Wind, m/s, at which the first leaves turn over, and at which the
+ * most do; their largest share, and the lightness of the underside over that of the upper side (assumed). Distant crowns, whose pictures do not know the wind, stay as they
  * are, so that it fades between two distances, m. Leaves turn to and fro, at some hertz each, so that a crown glitters: a share
  * of them at any moment.
  */
