@@ -13,21 +13,25 @@ os.environ.update(SINGLE_THREADED)
 from galewood.util import worker_pool
 
 LONG_FILES = (
-    "test_snippets", "test_wheel", "test_pipeline", "test_verify_planted", "test_evaluate", "test_api",
-    "test_paper", "test_verify_species", "test_event_loop", "test_field", "test_foundation",
-    "test_radius_correction", "test_candidates", "test_start_failures", "test_mesh_untrusted_text",
-    "test_wind_statistics", "test_skeleton", "test_peers", "test_untrusted_uploads", "test_stalls_and_damage",
-    "test_leases", "test_outline", "test_support", "test_determinism", "test_guarded_process", "test_stop",
-    "test_evaluations", "test_shipped_trees", "test_openapi", "test_structure", "test_corpus",
-    "test_piece_choices", "test_shown_names", "test_conversions", "test_socket_fuzz", "test_open_connections",
-    "test_doctor", "test_mesh_formats_hostile", "test_container_scripts", "test_damaged_rows",
-    "test_confinement", "test_event_streams", "test_mesh_import_process", "test_mesh_nesting", "test_client",
-    "test_generated_client", "test_model_file", "test_untrusted_results", "test_dependencies", "test_release",
-    "test_pulled_pole", "test_mujoco_figures", "test_motion_command", "test_calibration", "test_bench_serve",
+    "test_model_file", "test_mujoco_figures", "test_snippets", "test_pipeline", "test_wheel",
+    "test_event_loop", "test_api", "test_structure", "test_radius_correction", "test_paper",
+    "test_calibration", "test_untrusted_uploads", "test_verify_planted", "test_peers", "test_field",
+    "test_stop", "test_verify_species", "test_motion_command", "test_determinism", "test_bench_serve",
+    "test_evaluate", "test_skeleton", "test_wind_statistics", "test_support", "test_openapi",
+    "test_evaluations", "test_guarded_process", "test_foundation", "test_candidates", "test_start_failures",
+    "test_mesh_untrusted_text", "test_stalls_and_damage", "test_leases", "test_outline",
+    "test_shipped_trees", "test_corpus", "test_piece_choices", "test_shown_names", "test_conversions",
+    "test_socket_fuzz", "test_open_connections", "test_doctor", "test_mesh_formats_hostile",
+    "test_container_scripts", "test_damaged_rows", "test_confinement", "test_event_streams",
+    "test_mesh_import_process", "test_mesh_nesting", "test_client", "test_generated_client",
+    "test_untrusted_results", "test_dependencies", "test_release", "test_pulled_pole",
 )  # fmt: skip
 """Files of `make test-long`, the longest first: no process of a parallel run ends with one of them alone."""
-LONG_BUT_ALWAYS_RUN = ("test_build_end_to_end", "test_accuracy", "test_jobs")
-"""Long files that stay in `make test`, because they guard what the software promises first."""
+PARTLY_LONG_FILES = (
+    "test_build_end_to_end", "test_accuracy", "test_jobs", "test_packs", "test_drawn", "test_labelled_trees",
+    "test_evidence", "test_mjcf",
+)  # fmt: skip
+"""Files with long tests and others, which also begin early."""
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +53,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    order = [*LONG_BUT_ALWAYS_RUN, *LONG_FILES]
+    order = [*PARTLY_LONG_FILES, *LONG_FILES]
 
     def place(item: pytest.Item) -> int:
         name = item.path.stem
