@@ -27,6 +27,8 @@ const BIN_M = 16;
  * and `gone + spread`, so that few are transparent at a time.
  */
 const CLEAR_M = { gone: 30, spread: 14, fade: 1.5 } as const;
+/** Height of the middle of the crown relative to the tree's, from which its distance to the eye is measured: an eye above the crowns is near. */
+const CROWN_HEIGHT_SHARE = 0.6;
 /** Trees whose rank is this close to the share that is drawn are dissolving. */
 const FADE_RANK = 0.03;
 /** A number between 0 and 1 that differs between neighbours. */
@@ -91,8 +93,8 @@ export class FarTrees {
     const bounds = { height_m, radius_m: reach * across_m, reach_m: MAX_SWAY_SHARE * height_m };
     const seen = this.sortByDistance(bounds, view);
     const casting = this.chooseCasters(bounds, view);
-    this.fill(cards.seen, this.seen, seen, view);
-    this.fill(cards.casting, this.casting, casting, view);
+    this.fill(cards.seen, this.seen, seen, height_m, view);
+    this.fill(cards.casting, this.casting, casting, height_m, view);
   }
 
   private sortByDistance(bounds: Bounds, { planes, eye }: View): number {
@@ -107,7 +109,7 @@ export class FarTrees {
         this.bins[tree] = DISTANCE_BINS;
         continue;
       }
-      const distance_m = Math.hypot(data[at] - eye.x, data[at + 1] - eye.y, data[at + 2] - eye.z);
+      const distance_m = this.distance_m(tree, bounds.height_m, eye);
       if (distance_m < CLEAR_M.gone || this.ranks[tree] >= shareDrawn(distance_m, this.thinning)) {
         this.bins[tree] = DISTANCE_BINS;
         continue;
@@ -143,14 +145,14 @@ export class FarTrees {
     return casters;
   }
 
-  private fill(list: CardList, trees: Uint32Array, count: number, view: View): void {
+  private fill(list: CardList, trees: Uint32Array, count: number, height_m: number, { eye }: View): void {
     list.reserve(count);
     const { data } = list;
     for (let i = 0; i < count; i++) {
       const from = trees[i] * INSTANCE_FLOATS;
       const to = i * CARD_FLOATS;
       for (let k = 0; k < CARD_FLOATS; k++) data[to + k] = this.instances.data[from + k];
-      const distance_m = this.distance_m(trees[i], view);
+      const distance_m = this.distance_m(trees[i], height_m, eye);
       const share = shareDrawn(distance_m, this.thinning);
       const growth = growthAt(share);
       for (let k = 4; k < 7; k++) data[to + k] *= growth; // scale times cosine and sine of the yaw, and scale
@@ -164,9 +166,12 @@ export class FarTrees {
     list.show(count);
   }
 
-  private distance_m(tree: number, { eye }: View): number {
-    const y = this.instances.data[tree * INSTANCE_FLOATS + 1];
-    return Math.hypot(this.x[tree] - eye.x, y - eye.y, this.z[tree] - eye.z);
+  /** From the eye to the middle of the crown; `height_m`: of the species' tree of scale 1. */
+  private distance_m(tree: number, height_m: number, eye: View["eye"]): number {
+    const { data } = this.instances;
+    const at = tree * INSTANCE_FLOATS;
+    const y = data[at + 1] + CROWN_HEIGHT_SHARE * height_m * data[at + 6];
+    return Math.hypot(data[at] - eye.x, y - eye.y, data[at + 2] - eye.z);
   }
 
   /** Of trees that dissolve before the eye. */
