@@ -31,7 +31,7 @@ PARTLY_LONG_FILES = (
     "test_build_end_to_end", "test_accuracy", "test_jobs", "test_packs", "test_drawn", "test_labelled_trees",
     "test_evidence", "test_mjcf",
 )  # fmt: skip
-"""Files with long tests and others, which also begin early."""
+"""Files with tests of both `make test` and `make test-long`. They begin first in either."""
 
 
 @pytest.fixture(scope="module")

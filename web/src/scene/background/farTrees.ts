@@ -27,7 +27,7 @@ const BIN_M = 16;
  * and `gone + spread`, so that few are transparent at a time.
  */
 const CLEAR_M = { gone: 30, spread: 14, fade: 1.5 } as const;
-/** Height of the middle of the crown relative to the tree's, from which its distance to the eye is measured: an eye above the crowns is near. */
+/** Height of the middle of the crown relative to the tree's. Distances are measured to it, so that an eye just above the crowns is near them. */
 const CROWN_HEIGHT_SHARE = 0.6;
 /** Trees whose rank is this close to the share that is drawn are dissolving. */
 const FADE_RANK = 0.03;
