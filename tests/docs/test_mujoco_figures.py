@@ -42,7 +42,7 @@ def figures() -> ModuleType:
     ("page", "head", "measured"),
     [
         (MUJOCO_PAGE, "tree | bodies", "row"),
-        (MUJOCO_PAGE, "tree | wind", "gust_rows"),
+        pytest.param(MUJOCO_PAGE, "tree | wind", "gust_rows", marks=pytest.mark.species),
         (URDF_PAGE, "tree | bodies", "urdf_row"),
     ],
 )

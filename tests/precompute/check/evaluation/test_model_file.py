@@ -15,7 +15,7 @@ from galewood.io.cli.commands import app
 from galewood.packaged import species_folder
 from galewood.pipeline.results import SHIPPED_FOLDER, read_shipped
 from galewood.pipeline.sampling import content_hash
-from galewood.pipeline.stages import builtin_meshes, model_of
+from galewood.pipeline.stages import BuiltinMesh, builtin_meshes, model_of
 from galewood.pipeline.tables import BuildOptions
 from galewood.solid.fem import FemModel, save_model
 from galewood.table import Table, decode
@@ -104,26 +104,33 @@ def test_the_model_of_the_table_is_taken_by_its_hash(model: FemModel, tmp_path: 
     assert kept_model(path, metadata, tmp_path / "cache").exists()
 
 
-@pytest.mark.long
-@pytest.mark.timeout(3600)
-def test_every_shipped_table_gets_its_model_again(tmp_path: Path) -> None:
+BUILTIN_MESHES = builtin_meshes(species_folder())
+ALWAYS_BUILT_AGAIN = ("poplar", "apricot-forest", "spruce")
+"""An open tree, one of the forest, and an evergreen. `make test-species` builds the models of all others again."""
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        pytest.param(mesh, id=mesh.name, marks=() if mesh.name in ALWAYS_BUILT_AGAIN else pytest.mark.species)
+        for mesh in BUILTIN_MESHES
+    ],
+)
+def test_a_shipped_table_gets_its_model_again(mesh: BuiltinMesh, tmp_path: Path) -> None:
     """On any processor, though rounding differs from that of the one that built it."""
-    folder = species_folder()
-    for mesh in builtin_meshes(folder):
-        shipped = read_shipped(folder / SHIPPED_FOLDER, mesh.name, mesh.key)
-        assert shipped is not None, mesh.name
-        bare = shipped.result.bare_table
-        assert (bare is None) == is_evergreen(str(mesh.options["species"])), mesh.name
-        for data in (shipped.result.table, *([] if bare is None else [bare])):
-            cache, table = tmp_path / mesh.name, decode(data)
-            shipped.keep_tetrahedra(cache)
-            found = np.array(model_file(table, mesh.path, cache).model.report["frequencies_hz"])
-            worst = np.abs(found / table.metadata["frequencies_hz"] - 1).max()
-            print(mesh.name, table.foliage, f"{worst:.1e}")
-            assert worst <= module.SAME_FREQUENCIES / 5
+    shipped = read_shipped(species_folder() / SHIPPED_FOLDER, mesh.name, mesh.key)
+    assert shipped is not None
+    bare = shipped.result.bare_table
+    assert (bare is None) == is_evergreen(str(mesh.options["species"]))
+    for data in (shipped.result.table, *([] if bare is None else [bare])):
+        table = decode(data)
+        shipped.keep_tetrahedra(tmp_path)
+        found = np.array(model_file(table, mesh.path, tmp_path).model.report["frequencies_hz"])
+        worst = np.abs(found / table.metadata["frequencies_hz"] - 1).max()
+        print(mesh.name, table.foliage, f"{worst:.1e}")
+        assert worst <= module.SAME_FREQUENCIES / 5
 
 
-@pytest.mark.long
 @pytest.mark.timeout(3600)
 def test_a_shipped_tree_is_evaluated_with_an_empty_cache(tmp_path: Path) -> None:
     out = tmp_path / "figures.json"
