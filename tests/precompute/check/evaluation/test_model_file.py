@@ -106,7 +106,7 @@ def test_the_model_of_the_table_is_taken_by_its_hash(model: FemModel, tmp_path: 
 
 BUILTIN_MESHES = builtin_meshes(species_folder())
 ALWAYS_BUILT_AGAIN = ("poplar", "apricot-forest", "spruce")
-"""An open tree, one of the forest, and an evergreen. `make test-species` builds the models of all others again."""
+"""An open tree, one of the forest, and an evergreen; `make test-species` builds the models of all others."""
 
 
 @pytest.mark.parametrize(

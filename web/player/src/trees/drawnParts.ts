@@ -51,8 +51,8 @@ export interface Together {
   readonly uniforms: TogetherUniforms;
   /** Merges parts that can be drawn with one material. */
   merged(parts: readonly PlannedPart[]): PlannedPart[];
-  /** Pass 1; `factor`: shared factor of all displacements. */
-  nodes(motion: DrawnMotion, maxSide: number, factor: { readonly value: number }): TreeNodes;
+  /** Pass 1. */
+  nodes(motion: DrawnMotion): TreeNodes;
   meshes(
     parts: readonly DrawnPart[],
     motion: DrawnMotion | null,

@@ -91,9 +91,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     this.pulls = options.pullsOf?.(holdsOf(model)) ?? null;
     const together = options.together?.();
     this.nodes =
-      motion &&
-      (together?.nodes(motion, maxTextureSide, exaggeration) ??
-        new NodePass(motion, graphics, maxTextureSide, exaggeration));
+      motion && (together?.nodes(motion) ?? new NodePass(motion, graphics, maxTextureSide, exaggeration));
     this.uniforms = {
       ...this.pulls?.uniforms,
       uNodes: { value: this.nodes?.target.texture ?? null },
@@ -207,12 +205,16 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     const cardsFrom_m = this.cards?.from_m;
     const near_m = this.fallen || !this.parts.some(({ near }) => near) ? 0 : view.near_m;
     this.list.select(this.bounds, { ...view, near_m, cardsFrom_m });
-    const texels = this.nodes?.place(this.list) ?? null;
-    if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
-    this.meshes.fill(this.list, this.instances.data, texels);
-    if (!texels) return;
-    this.selectCards(texels);
-    this.close?.show(this.list, this.instances.data, texels, view);
+    const fill = (texels: readonly LevelTexels[] | null) => {
+      const { nodes, list, instances, close } = this;
+      if (nodes) this.uniforms.uNodeShift.value = nodes.shift;
+      this.meshes.fill(list, instances.data, texels);
+      if (!texels) return;
+      this.selectCards(texels);
+      close?.show(list, instances.data, texels, view);
+    };
+    if (this.nodes) this.nodes.place(this.list, fill);
+    else fill(null);
   }
 
   private selectCards(texels: readonly LevelTexels[]): void {

@@ -23,6 +23,7 @@ export function speciesOptions(
   flutter: SpeciesOptions["flutter"],
 ): SpeciesOptions {
   const { capabilities } = renderer;
+  const maxTextureSide = Math.min(capabilities.maxTextureSize, 4096);
   const surfaces: MaterialOptions = {
     anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
     smoothEdges: quality !== "low",
@@ -36,11 +37,11 @@ export function speciesOptions(
     closeLeaves: (model, motion, uniforms, group) =>
       new SingleLeafMeshes(model, motion, uniforms, surfaces, group),
     graphics: GLSL_GRAPHICS,
-    maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
+    maxTextureSide,
     // If gloss is affordable, so are the shadows of all leaves.
     shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], reach_m: cascadeReach_m },
     fine: quality !== "low",
-    ...(drawsTogether(renderer) && { together }),
+    ...(drawsTogether(renderer) && { together: together(maxTextureSide, exaggeration) }),
     pullsOf: (holds) => new PullSlots(holds),
     flutter,
     exaggeration,

@@ -21,6 +21,22 @@ export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTex
   return { texture, data };
 }
 
+/**
+ * Marks runs of texels of a four-channel flat texture for upload, each a first texel and an end. three.js uploads each row with a call
+ * of its own, so that the whole texture is cheaper if half of the rows are written.
+ */
+export function uploadRuns(texture: DataTexture, runs: readonly (readonly [number, number])[]): void {
+  const { height } = texture.image;
+  const rows = new Set<number>();
+  for (const [from, end] of runs)
+    for (let row = Math.floor(from / TEXTURE_WIDTH); row < Math.ceil(end / TEXTURE_WIDTH); row++)
+      rows.add(row);
+  texture.clearUpdateRanges();
+  if (2 * rows.size < height)
+    for (const row of rows) texture.addUpdateRange(row * TEXTURE_WIDTH * 4, TEXTURE_WIDTH * 4);
+  texture.needsUpdate = true;
+}
+
 /** Marks the first texels of a four-channel flat texture for upload, in whole rows. */
 export function uploadFirst(texture: DataTexture, texels: number): void {
   texture.clearUpdateRanges();

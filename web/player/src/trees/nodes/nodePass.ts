@@ -17,7 +17,7 @@ import type { NodeRenderer, TreeGraphics } from "./nodeGraphics";
 import { levelRows, nodeLayout } from "./nodeLayout";
 import type { LevelTexels, TreeNodes } from "./treeNodes";
 
-export function fullScreenTriangle(): BufferGeometry {
+function fullScreenTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]);
   geometry.setAttribute("position", new BufferAttribute(corners, 3));
@@ -66,7 +66,7 @@ export class NodePass implements TreeNodes {
     this.first.setSize(layout.width, layout.height);
   }
 
-  place(list: DrawList): readonly LevelTexels[] {
+  place(list: DrawList, told: (texels: readonly LevelTexels[]) => void): void {
     this.makeRoom(list);
     const { width, height } = this.target;
     const counts = this.levels.map((_, k) => list.visible[k] + list.hidden[k]);
@@ -81,11 +81,9 @@ export class NodePass implements TreeNodes {
     });
     this.list = list;
     this.eachLevel((level, rows) => level.restart(rows));
-    return places.map(({ row, trees }, k) => ({
-      first: row * width,
-      trees,
-      nodes: this.levels[k].level.nodes,
-    }));
+    told(
+      places.map(({ row, trees }, k) => ({ first: row * width, trees, nodes: this.levels[k].level.nodes })),
+    );
   }
 
   setPoses(poses: Float32Array, easing: Easing | null): void {

@@ -17,8 +17,8 @@ export interface TreeNodes {
   readonly target: RenderTarget;
   /** log2 of the target's width. */
   readonly shift: number;
-  /** Assigns texels to every tree of the list; returns the first texel and the number of trees that fit, per level. */
-  place(list: DrawList): readonly LevelTexels[];
+  /** Assigns texels to every tree of the list; `told` is given those of each level, and again when they move. */
+  place(list: DrawList, told: (texels: readonly LevelTexels[]) => void): void;
   /** Sets the newest poses: `stride` floats per tree, as written by the worker. */
   setPoses(poses: Float32Array, easing: Easing | null): void;
   render(renderer: NodeRenderer): void;

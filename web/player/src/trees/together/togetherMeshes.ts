@@ -17,7 +17,7 @@ import type { DrawList } from "../drawList";
 import type { ShadowOptions } from "../drawnParts";
 import { type DrawnPart, NO_TEXELS, type PlannedPart, type Together, type TreeMeshes } from "../drawnParts";
 import { jointAttribute, pivotAttribute } from "../jointAttribute";
-import type { LevelTexels } from "../nodes/treeNodes";
+import type { LevelTexels, TreeNodes } from "../nodes/treeNodes";
 import type { PartMaterials } from "../partMaterials";
 import { mergedParts } from "./mergedParts";
 import { TogetherNodes } from "./togetherNodes";
@@ -207,13 +207,24 @@ class TogetherMeshes implements TreeMeshes {
   }
 }
 
-/** Draws the levels of a species together; for renderers of which `drawsTogether` is true. */
-export function together(): Together {
-  const tables = { seen: new TreeTable(), casting: new TreeTable() };
-  return {
-    uniforms: { seen: tables.seen.uniforms, casting: tables.casting.uniforms },
-    merged: mergedParts,
-    nodes: (...of) => new TogetherNodes(...of),
-    meshes: (parts, motion, shadows, group) => new TogetherMeshes(parts, motion, shadows, group, tables),
+/**
+ * Draws the levels of each species together, and pass 1 of all species; for renderers of which `drawsTogether` is true.
+ *
+ * `factor`: shared factor of all displacements.
+ */
+export function together(maxTextureSide: number, factor: { readonly value: number }): () => Together {
+  let all: TogetherNodes | null = null;
+  const nodes = (motion: DrawnMotion): TreeNodes => {
+    if (!all?.hasRoomFor(motion) || all.isEmpty) all = new TogetherNodes(maxTextureSide, factor);
+    return all.add(motion);
+  };
+  return () => {
+    const tables = { seen: new TreeTable(), casting: new TreeTable() };
+    return {
+      uniforms: { seen: tables.seen.uniforms, casting: tables.casting.uniforms },
+      merged: mergedParts,
+      nodes,
+      meshes: (parts, motion, shadows, group) => new TogetherMeshes(parts, motion, shadows, group, tables),
+    };
   };
 }

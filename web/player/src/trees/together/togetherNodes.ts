@@ -1,26 +1,32 @@
-/** Pass 1 of a species with one call per step: all its levels of detail, each on rows of its own (nodes/nodePass.ts draws each apart). */
+/** Pass 1 of all species with one call per step: each level of detail of each species is a rectangle of the target (nodes/nodePass.ts draws each apart). */
 import {
+  BufferAttribute,
   type DataTexture,
   GLSL3,
+  InstancedBufferAttribute,
+  InstancedBufferGeometry,
+  IntType,
   Mesh,
   OrthographicCamera,
   RawShaderMaterial,
-  type RenderTarget,
   type WebGLRenderTarget,
 } from "three";
-import type { Easing } from "../../core/motion/easedPoses";
 import type { DrawnMotion, NodeLevel } from "../../core/table/drawnTable";
-import type { DrawList } from "../drawList";
-import { roomFor } from "../instanceData";
 import { FLAT_SHIFT, flatTexture } from "../nodes/flatTexture";
 import { uintTarget } from "../nodes/glslNodes";
-import { gatherPoses, PERIODS, type PoseRows, writeLinks } from "../nodes/levelPass";
-import { COVER_GLSL } from "../nodes/levelShader";
+import { writeLinks } from "../nodes/levelPass";
 import type { NodeRenderer } from "../nodes/nodeGraphics";
-import { type LevelRows, levelRows, nodeLayout } from "../nodes/nodeLayout";
-import { fullScreenTriangle } from "../nodes/nodePass";
-import type { LevelTexels, TreeNodes } from "../nodes/treeNodes";
-import { DISPLACE_ALL_GLSL, SHORTEN_ALL_GLSL } from "./togetherNodeShader";
+import { nodeLayout } from "../nodes/nodeLayout";
+import { PoseTexture } from "./poseTexture";
+import { type SharedNodes, SpeciesNodes } from "./speciesNodes";
+import { DISPLACE_ALL_GLSL, LEVEL_RECTANGLES_GLSL, SHORTEN_ALL_GLSL } from "./togetherNodeShader";
+
+/** Room of target and poses over what the species need, so that they seldom grow. */
+const ROOM_RATIO = 1.25;
+
+/** Texels of the rows (basis or turns) of a motion. */
+const rowTexels = ({ levels }: DrawnMotion): number =>
+  levels.reduce((sum, { basis }) => sum + basis.length / 4, 0);
 
 /** Values of all levels one after the other, as a texture of four channels. */
 function joined(levels: readonly NodeLevel[], rowsOf: (level: NodeLevel) => Float32Array): DataTexture {
@@ -50,267 +56,222 @@ function joinedLinks(levels: readonly NodeLevel[]): DataTexture {
   return texture;
 }
 
-/** Marks runs of texels of a four-channel flat texture for upload, in whole rows; each is a first texel and an end. */
-function uploadRows(texture: DataTexture, runs: readonly (readonly [number, number])[]): void {
-  const width = 2 ** FLAT_SHIFT;
-  const rows = new Set<number>();
-  for (const [from, end] of runs)
-    for (let row = Math.floor(from / width); row < Math.ceil(end / width); row++) rows.add(row);
-  texture.clearUpdateRanges();
-  for (const row of [...rows].sort((a, b) => a - b)) texture.addUpdateRange(row * width * 4, width * 4);
-  texture.needsUpdate = true;
+/** Instances of the rectangles: see LEVEL_RECTANGLES_GLSL. */
+function rectangles(count: number) {
+  const integers = () => {
+    const attribute = new InstancedBufferAttribute(new Int32Array(4 * count), 4);
+    attribute.gpuType = IntType;
+    return attribute;
+  };
+  const geometry = new InstancedBufferGeometry();
+  const corners = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0]);
+  const [places, sizes] = [integers(), integers()];
+  const shares = new InstancedBufferAttribute(new Float32Array(count), 1);
+  geometry.setAttribute("position", new BufferAttribute(corners, 3));
+  geometry.setAttribute("aPlace", places);
+  geometry.setAttribute("aSizes", sizes);
+  geometry.setAttribute("aShare", shares);
+  geometry.instanceCount = count;
+  return { geometry, places, sizes, shares };
 }
 
-/** Poses of the drawn trees: each level's from its own texel on. */
-class Poses {
-  flat = flatTexture(0, 4);
-  private readonly written = new Set<number>();
-
-  makeRoom(texels: number): void {
-    this.flat.texture.dispose();
-    this.flat = flatTexture(texels, 4);
-  }
-
-  /** Marks a level for the next upload; `rangesOf`: its texels. */
-  mark(level: number, rangeOf: (level: number) => readonly [number, number]): void {
-    this.written.add(level);
-    uploadRows(
-      this.flat.texture,
-      [...this.written].map((one) => rangeOf(one)),
-    );
-  }
-
-  uploaded(): void {
-    this.written.clear();
-  }
-}
-
-export class TogetherNodes implements TreeNodes {
-  readonly target: RenderTarget = uintTarget(1, 1);
-  private readonly first: RenderTarget = uintTarget(1, 1);
-  shift: number;
-  private readonly levels: readonly NodeLevel[];
-  private readonly newest = new Poses();
-  private readonly before = new Poses();
-  private readonly textures: readonly DataTexture[];
-  private readonly geometry = fullScreenTriangle();
+export class TogetherNodes implements SharedNodes {
+  readonly target = uintTarget(1, 1);
+  private readonly first = uintTarget(1, 1);
+  shift = 0;
+  readonly newest = new PoseTexture();
+  readonly before = new PoseTexture();
+  private readonly species: SpeciesNodes[] = [];
+  /** Ends of what is taken: rows of the target, texels of the poses. */
+  private endRow = 0;
+  private endPose = 0;
+  private poseRoom = 0;
+  private rows: readonly DataTexture[] = [];
+  private instances = rectangles(0);
   private readonly camera = new OrthographicCamera();
-  private readonly displacing: Mesh;
-  private readonly shortening: Mesh;
-  private readonly materials: readonly RawShaderMaterial[];
-  /** Frames since each level's last pose update. */
-  private readonly ages: Uint8Array;
-  /** First texel of each level in the poses, and their room. */
-  private readonly posesFrom: Int32Array;
-  private room = 0;
-  private places: readonly LevelRows[] = [];
   private readonly uniforms;
-  private list: DrawList | null = null;
-  private poses: Float32Array | null = null;
-  private easing: Easing | null = null;
+  private readonly meshes: readonly Mesh<InstancedBufferGeometry, RawShaderMaterial>[];
+  private speciesChanged = true;
+  private placesChanged = true;
+  private posesChanged = true;
+  /** Who has asked for the last drawing. */
+  private readonly servedBy = new Set<SpeciesNodes>();
 
   /** `factor`: shared factor of all displacements. */
   constructor(
-    private readonly motion: DrawnMotion,
     private readonly maxSide: number,
     factor: { readonly value: number },
   ) {
-    const { levels } = motion;
-    this.levels = levels;
-    const layout = nodeLayout(0, levels.length, maxSide);
-    this.shift = layout.shift;
-    this.resize(layout.width, layout.height);
-    this.ages = new Uint8Array(levels.length);
-    this.posesFrom = new Int32Array(levels.length);
-    this.textures = [
-      joined(levels, (level) => level.basis),
-      joined(levels, (level) => level.turn),
-      joinedLinks(levels),
-    ];
-    const [basis, turn, links] = this.textures;
     this.uniforms = {
-      uPoses: { value: this.newest.flat.texture },
-      uBefore: { value: this.before.flat.texture },
+      uPoses: { value: this.newest.texture },
+      uBefore: { value: this.before.texture },
       uFactor: factor,
-      uShift: { value: this.shift },
-      uSizes: { value: this.sizes() },
-      uPlaces: { value: new Int32Array(4 * levels.length) },
-      uShares: { value: new Float32Array(levels.length).fill(1) },
+      uShift: { value: 0 },
+      uHeight: { value: 1 },
     };
-    const displacing = this.material(DISPLACE_ALL_GLSL, { uRows: { value: basis } });
-    const shortening = this.material(SHORTEN_ALL_GLSL, {
-      uRows: { value: turn },
-      uMoved: { value: this.first.texture },
-      uLinks: { value: links },
-    });
-    this.materials = [displacing, shortening];
-    [this.displacing, this.shortening] = [displacing, shortening].map((material) => {
-      const mesh = new Mesh(this.geometry, material);
-      mesh.frustumCulled = false;
-      return mesh;
-    });
+    const shortening = { uMoved: { value: this.first.texture }, uLinks: { value: null } };
+    this.meshes = [this.material(DISPLACE_ALL_GLSL, {}), this.material(SHORTEN_ALL_GLSL, shortening)].map(
+      (material) => {
+        const mesh = new Mesh(this.instances.geometry, material);
+        mesh.frustumCulled = false;
+        return mesh;
+      },
+    );
   }
 
   private material(fragmentShader: string, own: RawShaderMaterial["uniforms"]): RawShaderMaterial {
     return new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: COVER_GLSL,
+      vertexShader: LEVEL_RECTANGLES_GLSL,
       fragmentShader,
       depthTest: false,
       depthWrite: false,
-      uniforms: { ...this.uniforms, ...own },
+      uniforms: { ...this.uniforms, uRows: { value: null }, ...own },
     });
   }
 
-  /** Per level: nodes, quads of coordinates, channel of the wind in the last one, and nodes of the levels before. */
-  private sizes(): Int32Array {
-    let before = 0;
-    return Int32Array.from(
-      this.levels.flatMap(({ nodes, quads, coordinates }) => {
-        const sizes = [nodes, quads, coordinates.length % 4, before];
-        before += nodes;
-        return sizes;
-      }),
-    );
+  /** Whether the rows of another species fit into a texture. */
+  hasRoomFor(motion: DrawnMotion): boolean {
+    const texels = this.species.reduce((sum, one) => sum + rowTexels(one.motion), rowTexels(motion));
+    return texels <= this.maxSide * 2 ** FLAT_SHIFT;
   }
 
-  private resize(width: number, height: number): void {
-    this.target.setSize(width, height);
-    this.first.setSize(width, height);
+  get isEmpty(): boolean {
+    return this.species.length === 0;
   }
 
-  /** Ensures capacity for the trees drawn in this frame, with a margin while the camera moves. */
-  private makeRoom(trees: readonly number[]): void {
-    const texels = this.levels.reduce((sum, { nodes }, k) => sum + nodes * trees[k], 0);
-    const rows = Math.ceil(texels / this.target.width) + this.levels.length;
-    if (rows <= this.target.height) return;
-    const layout = nodeLayout(1.3 * texels, this.levels.length, this.maxSide);
-    this.shift = layout.shift;
-    this.resize(layout.width, layout.height);
+  add(motion: DrawnMotion): SpeciesNodes {
+    const own = new SpeciesNodes(this, motion);
+    this.species.push(own);
+    this.speciesChanged = true;
+    return own;
   }
 
-  place(list: DrawList): readonly LevelTexels[] {
-    const trees = this.levels.map((_, k) => list.visible[k] + list.hidden[k]);
-    this.makeRoom(trees);
-    const { width, height } = this.target;
-    const layout = { width, height, shift: this.shift };
-    const nodes = this.levels.map((level) => level.nodes);
-    this.places = levelRows(layout, nodes, trees);
-    this.list = list;
-    this.placePoses();
-    this.restart();
-    return this.places.map(({ row, trees: fitting }, k) => ({
-      first: row * width,
-      trees: fitting,
-      nodes: nodes[k],
-    }));
+  /** Its place in the target stays empty until that grows. */
+  remove(species: SpeciesNodes): void {
+    this.species.splice(this.species.indexOf(species), 1);
+    this.servedBy.delete(species);
+    this.speciesChanged = true;
+    if (this.isEmpty) this.dispose();
   }
 
-  private placePoses(): void {
-    const { uniforms, newest, before } = this;
-    const rowsOfLevels = uniforms.uSizes.value;
-    let texels = 0;
-    let rows = 0;
-    for (const [k, { quads, nodes }] of this.levels.entries()) {
-      const { row, trees } = this.places[k];
-      this.posesFrom[k] = texels;
-      uniforms.uPlaces.value.set([row, trees, texels, rows], 4 * k);
-      texels += trees * quads;
-      rows += 3 * nodes * rowsOfLevels[4 * k + 1];
-    }
-    if (texels > this.room) {
-      this.room = roomFor(texels);
-      newest.makeRoom(this.room);
-      before.makeRoom(this.room);
-    }
-    uniforms.uShift.value = this.shift;
-    uniforms.uPoses.value = newest.flat.texture;
-    uniforms.uBefore.value = before.flat.texture;
+  changed(places: boolean): void {
+    this.posesChanged = true;
+    this.placesChanged ||= places;
   }
 
-  private readonly rangeOf = (level: number): readonly [number, number] => {
-    const from = this.posesFrom[level];
-    return [from, from + this.places[level].trees * this.levels[level].quads];
-  };
-
-  private get rows(): PoseRows | null {
-    const { poses, easing, list, motion } = this;
-    if (!poses || !list || poses.length < list.share.length * motion.stride) return null;
-    const { order, start } = list;
-    return { poses, easing, stride: motion.stride, wind: motion.modes, order, start };
+  assign(species: SpeciesNodes): void {
+    const rows = species.rowsWanted(this.shift);
+    const poses = species.posesWanted;
+    if (this.endRow + rows <= this.target.height && this.endPose + poses <= this.poseRoom)
+      this.append(species, rows);
+    else this.assignAll(species);
   }
 
-  /** Takes the newest poses of all drawn trees at once, because other trees are drawn. */
-  private restart(): void {
-    const { rows } = this;
-    if (!rows) return;
-    for (const [k] of this.levels.entries()) {
-      this.gather(k, rows);
-      this.ages[k] = PERIODS[k] - 1;
-      this.uniforms.uShares.value[k] = 1;
-    }
+  private append(species: SpeciesNodes, rows: number): void {
+    const { endRow, endPose, target } = this;
+    const fitting = Math.min(rows, target.height - endRow);
+    species.block = { row: endRow, rows: fitting, pose: endPose, poses: species.posesWanted };
+    this.endRow += fitting;
+    this.endPose += species.posesWanted;
   }
 
-  setPoses(poses: Float32Array, easing: Easing | null): void {
-    const first = this.poses === null;
-    this.poses = poses;
-    this.easing = easing;
-    if (first) this.restart();
-    else this.advance();
+  private assignAll(growing: SpeciesNodes): void {
+    const { species, target, first, uniforms } = this;
+    const texels = ROOM_RATIO * species.reduce((sum, one) => sum + one.texelsWanted, 0);
+    const parts = species.reduce((sum, one) => sum + one.levels.length + 1, 0);
+    const { width, height, shift } = nodeLayout(texels, parts, this.maxSide);
+    this.shift = shift;
+    target.setSize(width, height);
+    first.setSize(width, height);
+    this.poseRoom = Math.ceil(ROOM_RATIO * species.reduce((sum, one) => sum + one.posesWanted, 0));
+    this.newest.makeRoom(this.poseRoom);
+    this.before.makeRoom(this.poseRoom);
+    uniforms.uPoses.value = this.newest.texture;
+    uniforms.uBefore.value = this.before.texture;
+    uniforms.uShift.value = shift;
+    uniforms.uHeight.value = height;
+    this.endRow = 0;
+    this.endPose = 0;
+    for (const one of species) this.append(one, one.rowsWanted(shift));
+    for (const one of species) if (one !== growing) one.replace();
   }
 
-  /** Takes the poses of the levels that are due, and interpolates those of the others. */
-  private advance(): void {
-    const { rows, ages, newest, before, rangeOf } = this;
-    if (!rows) return;
-    for (const [k] of this.levels.entries()) {
-      const period = PERIODS[k];
-      ages[k] = (ages[k] + 1) % period;
-      if (ages[k] === 0) {
-        if (period > 1 && this.places[k].trees > 0) {
-          const [from, end] = rangeOf(k);
-          before.flat.data.set(newest.flat.data.subarray(4 * from, 4 * end), 4 * from);
-          before.mark(k, rangeOf);
-        }
-        this.gather(k, rows);
+  private prepare(): void {
+    if (this.speciesChanged) this.takeSpecies();
+    if (this.placesChanged) this.takePlaces();
+    const { shares } = this.instances;
+    this.species.forEach((one, k) => {
+      shares.array.set(one.shares, k * one.shares.length);
+    });
+    shares.needsUpdate = true;
+    this.newest.upload();
+    this.before.upload();
+    this.speciesChanged = false;
+    this.placesChanged = false;
+    this.posesChanged = false;
+  }
+
+  private takeSpecies(): void {
+    const levels = this.species.flatMap((one) => one.levels);
+    for (const texture of this.rows) texture.dispose();
+    const basis = joined(levels, (level) => level.basis);
+    const turn = joined(levels, (level) => level.turn);
+    const links = joinedLinks(levels);
+    this.rows = [basis, turn, links];
+    const [displacing, shortening] = this.meshes;
+    displacing.material.uniforms.uRows.value = basis;
+    shortening.material.uniforms.uRows.value = turn;
+    shortening.material.uniforms.uLinks.value = links;
+    this.instances.geometry.dispose();
+    this.instances = rectangles(levels.length);
+    for (const mesh of this.meshes) mesh.geometry = this.instances.geometry;
+    this.placesChanged = true;
+  }
+
+  private takePlaces(): void {
+    const { places, sizes } = this.instances;
+    let [k, rows, node] = [0, 0, 0];
+    for (const one of this.species)
+      for (const [index, { nodes, quads, coordinates }] of one.levels.entries()) {
+        const { row, trees, pose } = one.placeOf(index);
+        places.array.set([row, trees, nodes, node], 4 * k);
+        sizes.array.set([quads, coordinates.length % 4, pose, rows], 4 * k);
+        rows += 3 * nodes * quads;
+        node += nodes;
+        k++;
       }
-      this.uniforms.uShares.value[k] = (ages[k] + 1) / period;
+    places.needsUpdate = true;
+    sizes.needsUpdate = true;
+  }
+
+  render(by: SpeciesNodes, renderer: NodeRenderer): void {
+    if (this.posesChanged || this.speciesChanged || this.servedBy.has(by)) {
+      this.servedBy.clear();
+      this.draw(renderer);
     }
+    this.servedBy.add(by);
   }
 
-  private gather(level: number, rows: PoseRows): void {
-    const { trees } = this.places[level];
-    if (trees === 0) return;
-    gatherPoses(rows, this.levels[level], level, trees, this.newest.flat.data, 4 * this.posesFrom[level]);
-    this.newest.mark(level, this.rangeOf);
-  }
-
-  render(renderer: NodeRenderer): void {
-    const rows = this.places.reduce((most, place) => Math.max(most, place.row + place.rows), 0);
-    if (rows === 0) return;
+  private draw(renderer: NodeRenderer): void {
+    this.prepare();
+    if (this.endRow === 0) return;
     const before = renderer.getRenderTarget();
     const { autoClear } = renderer;
     renderer.autoClear = false; // every texel that is read is drawn
-    for (const [target, mesh] of [
-      [this.first, this.displacing],
-      [this.target, this.shortening],
-    ] as const) {
-      target.viewport.set(0, 0, target.width, rows);
+    [this.first, this.target].forEach((target, k) => {
       renderer.setRenderTarget(target as WebGLRenderTarget);
-      renderer.render(mesh, this.camera);
-    }
+      renderer.render(this.meshes[k], this.camera);
+    });
     renderer.autoClear = autoClear;
     renderer.setRenderTarget(before);
-    this.newest.uploaded();
-    this.before.uploaded();
   }
 
-  dispose(): void {
+  private dispose(): void {
     this.target.dispose();
     this.first.dispose();
-    this.geometry.dispose();
-    for (const material of this.materials) material.dispose();
-    for (const texture of [...this.textures, this.newest.flat.texture, this.before.flat.texture])
-      texture.dispose();
+    this.instances.geometry.dispose();
+    for (const { material } of this.meshes) material.dispose();
+    for (const texture of [...this.rows, this.newest.texture, this.before.texture]) texture.dispose();
   }
 }

@@ -3,7 +3,7 @@
 import { LEVEL_COUNT } from "../detail";
 import type { DrawList } from "../drawList";
 import { copyTree, INSTANCE_FLOATS, roomFor } from "../instanceData";
-import { flatTexture, uploadFirst } from "../nodes/flatTexture";
+import { flatTexture, uploadRuns } from "../nodes/flatTexture";
 import type { LevelTexels } from "../nodes/treeNodes";
 import type { TreesUniforms } from "../treeShader";
 import { DRAWS_PER_CALL } from "./togetherShader";
@@ -46,7 +46,7 @@ export class TreeTable {
         copyTree(instances, tree, this.flat.data, to * INSTANCE_FLOATS, texel, share);
       }
     }
-    if (trees > 0) uploadFirst(this.flat.texture, trees * TEXELS_PER_TREE);
+    if (trees > 0) uploadRuns(this.flat.texture, [[0, trees * TEXELS_PER_TREE]]);
   }
 
   private makeRoom(trees: number): void {
