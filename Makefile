@@ -33,7 +33,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 GROWER_SOURCES := $(shell find tools/species -type f -not -path '*/dist/*' 2>/dev/null) web/player/src/core/constants.ts
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-python-versions test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long browser bench format species constants golden page-types audit clean
+.PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-python-versions test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long test-javascript-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -102,9 +102,9 @@ test: ## set everything up and run the tests of what the software promises; test
 	@# more steps than cores: the tests of the browser and the service wait for much of their time
 	@$(MAKE) --no-print-directory --jobs 3 build/.kernels check test-python test-e2e test-web
 
-test-long: ## the tests that `make test` leaves out: the wheel, whole builds, random damage, bundlers
-	@$(MAKE) --no-print-directory --jobs 2 wheel test-tools
-	@$(MAKE) --no-print-directory --jobs 2 test-python-long test-e2e-long
+test-long: $(VENV)/.dev $(SITE) ## the tests that `make test` leaves out: the wheel, whole builds, random damage, bundlers
+	@# two rows of steps that take about as long as each other
+	@$(MAKE) --no-print-directory --jobs 2 test-python-long test-javascript-long
 
 test-all: test test-long ## every test but those of test-species, test-distributed and test-containers
 
@@ -156,6 +156,10 @@ test-tools: node_modules/.stamp ## the tests of the species generator, which gro
 
 test-e2e: $(SITE) browser ## the page in a real Chromium against a real server
 	$(STEP) $@ npm run --silent e2e -- --grep-invert @long
+
+test-javascript-long:
+	@$(MAKE) --no-print-directory test-tools
+	@$(MAKE) --no-print-directory test-e2e-long
 
 test-e2e-long: $(SITE) browser
 	$(STEP) $@ npm run --silent e2e -- --grep @long

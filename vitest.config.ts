@@ -9,7 +9,9 @@ export default defineConfig({
   test: {
     include: ["tests/{web,tools}/**/*.test.ts"],
     environment: "node",
-    testTimeout: 60_000,
+    // for what hangs, also on a busy machine: the longest take half a minute on an idle one
+    testTimeout: 300_000,
+    hookTimeout: 300_000,
     // `make coverage`; raise the thresholds when the shares have risen
     coverage: {
       include: ["web/src/**/*.ts", "web/player/src/**/*.ts", "tools/species/**/*.ts"],

@@ -104,7 +104,7 @@ it("grows the same tree in a context without Node and without a page, as in a br
   await build.close();
   const grow = `${output[0].code}; JSON.stringify(generator.growIndividual(${JSON.stringify(ASKED[0])}))`;
   expect(runInNewContext(grow)).toBe(JSON.stringify(growIndividual(ASKED[0])));
-}, 60_000);
+});
 
 describe("a size that a species cannot have", () => {
   const tall: Individual = { species: "oak", form: "open", seed: 3, height_m: 80, dbh_cm: 900 };

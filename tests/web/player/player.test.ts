@@ -57,7 +57,7 @@ beforeAll(async () => {
   if (newest(`${PLAYER}src`) > built)
     execFileSync(process.execPath, [`${PLAYER}build.mjs`], { stdio: "pipe" });
   core = await import(/* @vite-ignore */ `${DIST}core.js`);
-}, 120_000);
+});
 
 test("every entry point but the workers can be imported where there is no DOM, as on a server", async () => {
   for (const [name, entry] of Object.entries(manifest().exports)) {
