@@ -133,7 +133,7 @@ test-python: $(VENV)/.dev build/.kernels web/dist/index.html tools/species/dist/
 test-python-long: $(VENV)/.dev build/.kernels wheel
 	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m "long and not species"
 
-test-species: $(VENV)/.dev ## what is claimed of the built-in trees: accuracy in every unseen wind, models built again (half an hour)
+test-species: $(VENV)/.dev ## what is claimed of the built-in trees: accuracy in every unseen wind, models built again (twenty minutes and more)
 	$(PYTEST) -m species -rP
 
 test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far from the repository

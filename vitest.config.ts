@@ -9,7 +9,7 @@ export default defineConfig({
   test: {
     include: ["tests/{web,tools}/**/*.test.ts"],
     environment: "node",
-    // for what hangs, also on a busy machine: the longest take half a minute on an idle one
+    // for what hangs, also on a busy machine
     testTimeout: 300_000,
     hookTimeout: 300_000,
     // `make coverage`; raise the thresholds when the shares have risen

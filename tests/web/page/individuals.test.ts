@@ -142,6 +142,29 @@ describe("for the stems of an inventory", () => {
     expect([state.individuals, state.growth, settings.ownTrees]).toEqual([[], { at: "none" }, 0]);
   });
 
+  test("trees that are wanted again while they are being removed are asked for again", async () => {
+    const { state, tools, hear } = started();
+    tools.grow(3);
+    await settle();
+    const id = idOf(oak(14));
+    hear(building(id));
+    tools.cancel();
+    hear(change(id, "uploaded", { state: "cancelled" }));
+    expect(page.deleted).toEqual([id]); // on its way
+    page.orders.length = 0;
+    page.answer = (async (order) => ({ id: idOf(order), job_id: `again-${idOf(order)}` })) satisfies Answer;
+    tools.grow(3);
+    await settle();
+    expect(page.orders.map(({ height_m }) => height_m)).toEqual(HEIGHTS_M);
+    hear(change(id, "uploaded", { state: "cancelled" }, true));
+    await settle();
+    expect(page.orders.map(({ height_m }) => height_m)).toEqual([...HEIGHTS_M, 14]);
+    hear(change(id, "uploaded", { id: `again-${id}`, state: "failed", error: "The disk is full." }));
+    for (const height_m of [10, 18]) hear(ready(idOf(oak(height_m))));
+    expect(state.growth, "what fails by itself is not asked for again").toEqual({ at: "planted", trees: 2, shown: 3, all: 3 });
+    expect(page.toasts).toEqual(["1 of 3 trees could not be grown. The disk is full."]);
+  });
+
   test("another inventory ends it, and has its own", async () => {
     const { state, settings, tools, hear } = started();
     tools.grow(3);

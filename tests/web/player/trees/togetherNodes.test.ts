@@ -4,6 +4,7 @@ import { expect, test } from "vitest";
 import type { DrawnMotion } from "../../../../web/player/src/core/table/drawnTable";
 import { LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
 import type { DrawList } from "../../../../web/player/src/trees/drawList";
+import { PERIODS } from "../../../../web/player/src/trees/nodes/levelPass";
 import type { NodeRenderer } from "../../../../web/player/src/trees/nodes/nodeGraphics";
 import type { LevelTexels } from "../../../../web/player/src/trees/nodes/treeNodes";
 import type { SpeciesNodes } from "../../../../web/player/src/trees/together/speciesNodes";
@@ -157,4 +158,33 @@ test("all species are drawn once a frame, and again if poses have changed since"
   second.nodes.setPoses(second.poses, null);
   second.nodes.render(renderer);
   expect(drawn).toHaveLength(4);
+});
+
+test(`levels far away take every second or fourth pose, and keep the one before (seed ${SEED})`, () => {
+  const next = random(SEED);
+  const all = new TogetherNodes(MAX_SIDE, { value: 1 });
+  const motion = motionOf(next, 6);
+  const nodes = all.add(motion);
+  const visible = new Uint32Array(LEVEL_COUNT).fill(1);
+  const one = Uint32Array.from(visible, (_, k) => k);
+  const list = { visible, hidden: new Uint32Array(LEVEL_COUNT), start: one, order: one, share: new Float32Array(LEVEL_COUNT) };
+  const posesOf = (frame: number) => new Float32Array(LEVEL_COUNT * motion.stride).fill(frame);
+  nodes.setPoses(posesOf(0), null);
+  nodes.place(list as unknown as DrawList, () => {});
+  const shown = (mesh: Drawn, level: number) => {
+    const texel = 4 * mesh.geometry.getAttribute("aSizes").array[4 * level + 2];
+    const share = mesh.geometry.getAttribute("aShare").array[level];
+    const [now, before] = [dataOf(mesh, "uPoses")[texel], dataOf(mesh, "uBefore")[texel]];
+    return share < 1 ? before + (now - before) * share : now;
+  };
+  for (let frame = 1; frame <= 12; frame++) {
+    nodes.setPoses(posesOf(frame), null);
+    const { renderer, drawn } = recorder();
+    nodes.render(renderer);
+    // each pose is reached evenly, over a period from when it is taken; the first of them is that of the first frame
+    PERIODS.forEach((period, level) => {
+      const late = frame < period ? frame / period : frame - (period - 1);
+      expect(shown(drawn[0], level), `frame ${frame}, level ${level}`).toBeCloseTo(late, 5);
+    });
+  }
 });

@@ -66,6 +66,8 @@ export class Growth {
   private readonly heard = new Map<string, TreeChange>();
   /** Trees whose growth is being ended. */
   private readonly ending = new Set<string>();
+  /** Trees that a request of this page cancels or removes; it may take effect after they have been asked for again. */
+  private readonly ended = new Set<string>();
 
   constructor(
     catalogue: Pick<Catalogue, "onChange">,
@@ -129,18 +131,33 @@ export class Growth {
     const missing = [...batch.orders].filter(([key]) => !known.has(key) && !batch.ready.has(key));
     for (const [key, order] of missing) {
       if (this.batch !== batch) return;
-      const { id, job_id } = await growIndividual(order, asks);
-      if (this.batch !== batch) {
-        // the batch that has followed asks for it again, if it wants it
-        if (!this.batch?.orders.has(key)) this.endTree(id);
-        return;
-      }
-      this.ending.delete(id);
-      batch.asked.set(id, { key, jobId: job_id });
-      const change = this.heard.get(id);
-      if (change) this.settle(batch, change);
+      await this.askFor(batch, key, order, asks);
     }
     if (this.batch === batch) this.tell(batch);
+  }
+
+  private async askFor(batch: Batch, key: string, order: Order, asks: boolean): Promise<void> {
+    const { id, job_id } = await growIndividual(order, asks);
+    if (this.batch !== batch) {
+      // the batch that has followed asks for it again, if it wants it
+      if (!this.batch?.orders.has(key)) this.endTree(id);
+      return;
+    }
+    this.ending.delete(id);
+    batch.asked.set(id, { key, jobId: job_id });
+    const change = this.heard.get(id);
+    if (change) this.settle(batch, change);
+  }
+
+  /** Asks again for a tree that this page itself has ended, for a former batch. */
+  private async askAgain(batch: Batch, key: string, order: Order): Promise<void> {
+    try {
+      await this.askFor(batch, key, order, false);
+      if (this.batch === batch) this.tell(batch);
+    } catch (error) {
+      if (!(error instanceof Problem)) throw error;
+      if (this.batch === batch) this.end(batch, error);
+    }
   }
 
   private hear(change: TreeChange): void {
@@ -150,20 +167,25 @@ export class Growth {
     else this.heard.set(tree.id, change);
     if (this.ending.has(tree.id)) this.endTree(tree.id);
     const { batch } = this;
-    if (!batch?.asked.has(tree.id)) return;
+    if (!batch?.asked.has(tree.id)) {
+      if (deleted) this.ended.delete(tree.id);
+      return;
+    }
     this.settle(batch, change);
     this.tell(batch);
   }
 
   /** Notes that a tree of the batch is there, or will not be. */
-  private settle({ orders, asked, ready, faults }: Batch, { tree, job, deleted }: TreeChange): void {
+  private settle(batch: Batch, { tree, job, deleted }: TreeChange): void {
+    const { orders, asked, ready, faults } = batch;
     const found = asked.get(tree.id);
     const order = orders.get(found?.key ?? "");
     if (!found || !order || ready.has(found.key) || (isActive(job) && !deleted)) return;
     if (tree.state === "ready" && !deleted) ready.set(found.key, individualOf(tree.id, order));
     else if (deleted || job?.id === found.jobId) {
       asked.delete(tree.id);
-      faults.set(found.key, job?.error ?? "It was cancelled.");
+      if (this.ended.delete(tree.id)) void this.askAgain(batch, found.key, order);
+      else faults.set(found.key, job?.error ?? "It was cancelled.");
     }
   }
 
@@ -184,10 +206,14 @@ export class Growth {
   private endTree(id: string): void {
     this.ending.add(id);
     const change = this.heard.get(id);
-    if (change && isActive(change.job)) void this.quietly(cancelJob(change.job.id));
-    else if (change) {
+    if (change && isActive(change.job)) {
+      this.ended.add(id);
+      void this.quietly(cancelJob(change.job.id));
+    } else if (change) {
       this.ending.delete(id);
-      if (change.tree.state !== "ready") void this.quietly(deleteTree(id));
+      if (change.tree.state === "ready") return;
+      this.ended.add(id);
+      void this.quietly(deleteTree(id));
     }
   }
 
