@@ -95,7 +95,7 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     this.uniforms = {
       ...this.pulls?.uniforms,
       uNodes: { value: this.nodes?.target.texture ?? null },
-      uNodeShift: { value: 0 },
+      uNodeShift: this.nodes?.shift ?? { value: 0 },
       uLean: { value: model.leans ? 1 : 0 },
       uFlutter: options.flutter,
       uLeafHz: { value: model.flutter_hz ?? USUAL_HZ },
@@ -205,22 +205,17 @@ export class SpeciesForest<Motion extends DrawnMotion = DrawnMotion> {
     const cardsFrom_m = this.cards?.from_m;
     const near_m = this.fallen || !this.parts.some(({ near }) => near) ? 0 : view.near_m;
     this.list.select(this.bounds, { ...view, near_m, cardsFrom_m });
+    // It is called again when texels move: with the trees of this selection.
+    const { nodes, list } = this;
+    const { data } = this.instances;
     const fill = (texels: readonly LevelTexels[] | null) => {
-      const { nodes, list, instances, close } = this;
-      if (nodes) this.uniforms.uNodeShift.value = nodes.shift;
-      this.meshes.fill(list, instances.data, texels);
-      if (!texels) return;
-      this.selectCards(texels);
-      close?.show(list, instances.data, texels, view);
+      this.meshes.fill(list, data, texels);
+      if (!nodes || !texels) return;
+      this.cards?.show(list, data, texels, nodes.target.texture, nodes.shift.value);
+      this.close?.show(list, data, texels, view);
     };
-    if (this.nodes) this.nodes.place(this.list, fill);
+    if (nodes) nodes.place(list, fill);
     else fill(null);
-  }
-
-  private selectCards(texels: readonly LevelTexels[]): void {
-    const { cards, nodes } = this;
-    if (!cards || !nodes || !Number.isFinite(cards.from_m)) return;
-    cards.show(this.list, this.instances.data, texels, nodes.target.texture, nodes.shift);
   }
 
   /** Triangles of the last selection in the colour pass. */

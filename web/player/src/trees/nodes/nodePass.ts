@@ -28,7 +28,7 @@ export class NodePass implements TreeNodes {
   readonly target: RenderTarget;
   /** Displacements before the links are shortened. */
   private readonly first: RenderTarget;
-  shift: number;
+  readonly shift = { value: 0 };
   private readonly levels: LevelPass[];
   private readonly triangle = fullScreenTriangle();
   private readonly camera = new OrthographicCamera();
@@ -43,7 +43,7 @@ export class NodePass implements TreeNodes {
     factor: { value: number },
   ) {
     const layout = nodeLayout(0, motion.levels.length, maxSide);
-    this.shift = layout.shift;
+    this.shift.value = layout.shift;
     this.target = graphics.target(layout.width, layout.height, true);
     this.first = graphics.target(layout.width, layout.height, false);
     const { texture } = this.first;
@@ -61,7 +61,7 @@ export class NodePass implements TreeNodes {
     const rows = Math.ceil(texels / this.target.width) + this.levels.length;
     if (rows <= this.target.height) return;
     const layout = nodeLayout(1.3 * texels, this.levels.length, this.maxSide);
-    this.shift = layout.shift;
+    this.shift.value = layout.shift;
     this.target.setSize(layout.width, layout.height);
     this.first.setSize(layout.width, layout.height);
   }
@@ -70,14 +70,14 @@ export class NodePass implements TreeNodes {
     this.makeRoom(list);
     const { width, height } = this.target;
     const counts = this.levels.map((_, k) => list.visible[k] + list.hidden[k]);
-    const layout = { width, height, shift: this.shift };
+    const layout = { width, height, shift: this.shift.value };
     const places = levelRows(
       layout,
       this.motion.levels.map(({ nodes }) => nodes),
       counts,
     );
     places.forEach((rows, k) => {
-      this.levels[k].place(rows, this.shift);
+      this.levels[k].place(rows, this.shift.value);
     });
     this.list = list;
     this.eachLevel((level, rows) => level.restart(rows));

@@ -15,8 +15,8 @@ export interface LevelTexels {
 export interface TreeNodes {
   /** The finished texels. */
   readonly target: RenderTarget;
-  /** log2 of the target's width. */
-  readonly shift: number;
+  /** log2 of the target's width, as a uniform. */
+  readonly shift: { value: number };
   /** Assigns texels to every tree of the list; `told` is given those of each level, and again when they move. */
   place(list: DrawList, told: (texels: readonly LevelTexels[]) => void): void;
   /** Sets the newest poses: `stride` floats per tree, as written by the worker. */

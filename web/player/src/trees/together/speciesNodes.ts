@@ -21,8 +21,8 @@ export interface Block {
 /** The nodes of all species. */
 export interface SharedNodes {
   readonly target: RenderTarget;
-  /** log2 of the target's width. */
-  readonly shift: number;
+  /** log2 of the target's width, as a uniform. */
+  readonly shift: { value: number };
   readonly newest: PoseTexture;
   readonly before: PoseTexture;
   /** Gives a species a block for what it wants; all others may move. */
@@ -68,7 +68,7 @@ export class SpeciesNodes implements TreeNodes {
     return this.all.target;
   }
 
-  get shift(): number {
+  get shift(): { value: number } {
     return this.all.shift;
   }
 
@@ -86,7 +86,7 @@ export class SpeciesNodes implements TreeNodes {
   private get texels(): readonly LevelTexels[] {
     return this.levels.map(({ nodes }, k) => {
       const { row, trees } = this.placeOf(k);
-      return { first: row * 2 ** this.shift, trees, nodes };
+      return { first: row * 2 ** this.shift.value, trees, nodes };
     });
   }
 
@@ -116,7 +116,7 @@ export class SpeciesNodes implements TreeNodes {
   }
 
   private placeTrees(list: DrawList): void {
-    const { shift } = this;
+    const shift = this.shift.value;
     const layout = { width: 2 ** shift, height: this.block.rows, shift };
     const nodes = this.levels.map((level) => level.nodes);
     const trees = this.levels.map((_, k) => list.visible[k] + list.hidden[k]);

@@ -78,7 +78,7 @@ function rectangles(count: number) {
 export class TogetherNodes implements SharedNodes {
   readonly target = uintTarget(1, 1);
   private readonly first = uintTarget(1, 1);
-  shift = 0;
+  readonly shift = { value: 0 };
   readonly newest = new PoseTexture();
   readonly before = new PoseTexture();
   private readonly species: SpeciesNodes[] = [];
@@ -106,7 +106,7 @@ export class TogetherNodes implements SharedNodes {
       uPoses: { value: this.newest.texture },
       uBefore: { value: this.before.texture },
       uFactor: factor,
-      uShift: { value: 0 },
+      uShift: this.shift,
       uHeight: { value: 1 },
     };
     const shortening = { uMoved: { value: this.first.texture }, uLinks: { value: null } };
@@ -161,7 +161,7 @@ export class TogetherNodes implements SharedNodes {
   }
 
   assign(species: SpeciesNodes): void {
-    const rows = species.rowsWanted(this.shift);
+    const rows = species.rowsWanted(this.shift.value);
     const poses = species.posesWanted;
     if (this.endRow + rows <= this.target.height && this.endPose + poses <= this.poseRoom)
       this.append(species, rows);
@@ -181,7 +181,7 @@ export class TogetherNodes implements SharedNodes {
     const texels = ROOM_RATIO * species.reduce((sum, one) => sum + one.texelsWanted, 0);
     const parts = species.reduce((sum, one) => sum + one.levels.length + 1, 0);
     const { width, height, shift } = nodeLayout(texels, parts, this.maxSide);
-    this.shift = shift;
+    this.shift.value = shift;
     target.setSize(width, height);
     first.setSize(width, height);
     this.poseRoom = Math.ceil(ROOM_RATIO * species.reduce((sum, one) => sum + one.posesWanted, 0));
@@ -189,7 +189,6 @@ export class TogetherNodes implements SharedNodes {
     this.before.makeRoom(this.poseRoom);
     uniforms.uPoses.value = this.newest.texture;
     uniforms.uBefore.value = this.before.texture;
-    uniforms.uShift.value = shift;
     uniforms.uHeight.value = height;
     this.endRow = 0;
     this.endPose = 0;
