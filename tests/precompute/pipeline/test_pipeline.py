@@ -23,7 +23,6 @@ from galewood.table.format import decode
 from galewood.util import Cancelled, MeshError
 
 from tests.precompute.fixtures.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
-from tests.precompute.fixtures.tree_meshes import glb_bytes, y_tree
 
 OPTIONS = BuildOptions(
     species="maple",
@@ -257,6 +256,8 @@ def test_an_evergreen_is_never_bare(mesh: bytes, built: Built) -> None:
 
 def test_the_table_of_a_mesh_without_leaves_is_bare(built: Built) -> None:
     options = UNCOMPARED.model_copy(update={"bare_table": True, "paper": False})
-    wooden = build_table(glb_bytes(y_tree()), "tree.glb", options, in_this_process, cache_dir=built.cache)
+    wooden = build_table(
+        small_tree_glb(leafy=False), "tree.glb", options, in_this_process, cache_dir=built.cache
+    )
     assert decode(wooden.table).foliage == "bare" and wooden.bare_table is None
     assert decode(wooden.table).streamlined_exponent == 2.0

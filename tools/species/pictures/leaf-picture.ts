@@ -218,23 +218,39 @@ function fromBlade(look: LeafLook, leaf: Leaf, bx: number, by: number): LeafPoin
   return [leaf.x + across * cos + along * sin, leaf.y - across * sin + along * cos];
 }
 
-/** Blade coordinates (leaf lengths) of a card point; the blade starts where the petiole ends. */
-function toBlade(look: LeafLook, leaf: Leaf, x: number, y: number): LeafPoint {
-  const dx = (x - leaf.x) / leaf.length;
-  const dy = (y - leaf.y) / leaf.length;
-  const sin = Math.sin(leaf.angle);
-  const cos = Math.cos(leaf.angle);
-  return [(dx * cos - dy * sin) / leaf.squeeze, dx * sin + dy * cos - look.petiole];
+/** Blade coordinates (leaf lengths) of card points; the blade starts where the petiole ends. */
+function toBlade(look: LeafLook, { x, y, angle, length, squeeze }: Leaf) {
+  const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
+  return (px: number, py: number): LeafPoint => {
+    const dx = (px - x) / length;
+    const dy = (py - y) / length;
+    return [(dx * cos - dy * sin) / squeeze, dx * sin + dy * cos - look.petiole];
+  };
 }
 
-/** Bounding box of the blade, from a circle around its centre. */
-function bladeBox(look: LeafLook, leaf: Leaf): [LeafPoint, LeafPoint] {
-  const middle = (look.petiole + 0.48) * leaf.length;
-  return around(
-    leaf.x + middle * Math.sin(leaf.angle),
-    leaf.y + middle * Math.cos(leaf.angle),
-    0.74 * leaf.length,
-  );
+/** The shadow of a leaf: where it lies below the leaf, and how much larger than it. */
+const SHADOW_OFFSET: LeafPoint = [0.006, 0.014];
+const SHADOW_SHRINK = 0.94;
+/** A shadow ends at this distance (leaf lengths) from a point on the blade, so that needles do not shade far. */
+const SHADOW_REACH = 0.74;
+const MIDDLE_OF_BLADE = 0.48;
+/** By how much the box of a blade is larger than its outline, in leaf lengths: the outline is known by rows. */
+const BOX_MARGIN = 0.004;
+
+/** Bounding box of the blade, of `grown` times its size about its middle. */
+function bladeBox(look: LeafLook, leaf: Leaf, grown = 1): [LeafPoint, LeafPoint] {
+  const across = grown * Math.max(...look.outline.map(([x]) => x)) + BOX_MARGIN;
+  const heights = look.outline.map(([, y]) => y);
+  const [low, high] = [Math.min(...heights), Math.max(...heights)].map((y) => grown * (y - 0.5) + 0.5);
+  const corners = [-across, across].flatMap((x) => [
+    fromBlade(look, leaf, x, low - BOX_MARGIN),
+    fromBlade(look, leaf, x, high + BOX_MARGIN),
+  ]);
+  const [xs, ys] = [corners.map(([x]) => x), corners.map(([, y]) => y)];
+  return [
+    [Math.min(...xs), Math.min(...ys)],
+    [Math.max(...xs), Math.max(...ys)],
+  ];
 }
 
 function around(x: number, y: number, r: number): [LeafPoint, LeafPoint] {
@@ -244,9 +260,13 @@ function around(x: number, y: number, r: number): [LeafPoint, LeafPoint] {
   ];
 }
 
+const larger = (a: LeafPoint, b: LeafPoint): LeafPoint => [Math.max(a[0], b[0]), Math.max(a[1], b[1])];
+const smaller = (a: LeafPoint, b: LeafPoint): LeafPoint => [Math.min(a[0], b[0]), Math.min(a[1], b[1])];
+
 function drawLeaf(frame: Frame, look: LeafLook, leaf: Leaf): void {
+  const onBlade = toBlade(look, leaf);
   frame.each(...bladeBox(look, leaf), (x, y, at) => {
-    const [bx, by] = toBlade(look, leaf, x, y);
+    const [bx, by] = onBlade(x, y);
     if (insideLeaf(look.outline, Math.abs(bx), by)) frame.put(at, bladeColour(look, leaf, bx, by));
   });
 }
@@ -254,17 +274,23 @@ function drawLeaf(frame: Frame, look: LeafLook, leaf: Leaf): void {
 /** Darkens what lies under a leaf, so that the leaves of a shoot can be distinguished. */
 function drawShadow(frame: Frame, look: LeafLook, leaf: Leaf): void {
   const data = frame.picture.data;
-  frame.each(...bladeBox(look, leaf), (x, y, at) => {
+  const [right, up] = SHADOW_OFFSET;
+  const onBlade = toBlade(look, leaf);
+  const [low, high] = bladeBox(look, leaf, 1 / SHADOW_SHRINK).map(([x, y]): LeafPoint => [x - right, y - up]);
+  const middle = fromBlade(look, leaf, 0, MIDDLE_OF_BLADE);
+  const [lowest, highest] = around(...middle, SHADOW_REACH * leaf.length);
+  frame.each(larger(low, lowest), smaller(high, highest), (x, y, at) => {
     if (data[at + 3] === 0) return;
-    const [bx, by] = toBlade(look, leaf, x + 0.006, y + 0.014);
-    if (!insideLeaf(look.outline, Math.abs(bx) * 0.94, (by - 0.5) * 0.94 + 0.5)) return;
+    const [bx, by] = onBlade(x + right, y + up);
+    if (!insideLeaf(look.outline, Math.abs(bx) * SHADOW_SHRINK, (by - 0.5) * SHADOW_SHRINK + 0.5)) return;
     for (let c = 0; c < 3; c++) data[at + c] *= 0.72;
   });
 }
 
 function drawPetiole(frame: Frame, look: LeafLook, leaf: Leaf): void {
+  const onBlade = toBlade(look, leaf);
   frame.each(...around(leaf.x, leaf.y, leaf.length * (look.petiole + 0.1)), (x, y, at) => {
-    const [bx, by] = toBlade(look, leaf, x, y);
+    const [bx, by] = onBlade(x, y);
     const onLine =
       Math.abs(bx * leaf.squeeze) < (leaf.fine ? FINE_PETIOLE_HALF : PETIOLE_HALF) &&
       by < 0.05 &&
@@ -277,9 +303,9 @@ function drawStem(frame: Frame, shoot: Shoot, stem: Colour): void {
   shoot.points.slice(1).forEach((end, i) => {
     const start = shoot.points[i];
     const half = 0.0075 * shoot.weight * (1 - 0.6 * (i / shoot.points.length));
-    const low: LeafPoint = [Math.min(start[0], end[0]) - 0.01, Math.min(start[1], end[1]) - 0.01];
-    const high: LeafPoint = [Math.max(start[0], end[0]) + 0.01, Math.max(start[1], end[1]) + 0.01];
-    frame.each(low, high, (x, y, at) => {
+    const low = smaller(start, end);
+    const high = larger(start, end);
+    frame.each([low[0] - half, low[1] - half], [high[0] + half, high[1] + half], (x, y, at) => {
       if (distance(x, y, start, end) < half) frame.put(at, stem);
     });
   });
