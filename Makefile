@@ -33,7 +33,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 GROWER_SOURCES := $(shell find tools/species -type f -not -path '*/dist/*' 2>/dev/null) web/player/src/core/constants.ts
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-python-versions test-species test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long test-javascript-long browser bench format species constants golden page-types audit clean
+.PHONY: help run develop build player trees wheel test test-long test-all check coverage docs test-python test-python-long test-python-versions test-release test-wheel test-distributed test-containers test-web test-tools test-e2e test-e2e-long test-javascript-long browser bench format species constants golden page-types audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -106,7 +106,7 @@ test-long: $(VENV)/.dev $(SITE) ## the tests that `make test` leaves out: the wh
 	@# two rows of steps that take about as long as each other
 	@$(MAKE) --no-print-directory --jobs 2 test-python-long test-javascript-long
 
-test-all: test test-long ## every test but those of test-species, test-distributed and test-containers
+test-all: test test-long ## every test but those of test-release, test-distributed and test-containers
 
 check: $(VENV)/.dev node_modules/.stamp docs ## linters, formatters and type checkers of both languages, of the container files and the documents too
 	$(STEP) ruff $(BIN)/ruff check .
@@ -128,13 +128,13 @@ check: $(VENV)/.dev node_modules/.stamp docs ## linters, formatters and type che
 
 test-python: $(VENV)/.dev build/.kernels web/dist/index.html tools/species/dist/grower.mjs ## the Python tests
 	@# the tests of the browser take longest, so they come first
-	$(STEP) $@ nice $(PYTEST) $(IN_PARALLEL) -m "not long and not species"
+	$(STEP) $@ nice $(PYTEST) $(IN_PARALLEL) -m "not long and not release"
 
 test-python-long: $(VENV)/.dev build/.kernels wheel
-	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m "long and not species"
+	$(STEP) $@ $(PYTEST) $(IN_PARALLEL) -m "long and not release"
 
-test-species: $(VENV)/.dev ## what is claimed of the built-in trees: accuracy in every unseen wind, models built again (twenty minutes and more)
-	$(PYTEST) -m species -rP
+test-release: $(VENV)/.dev ## what a release needs as well: the built-in trees in every unseen wind, their models built again (half an hour)
+	$(PYTEST) -m release -rP
 
 test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far from the repository
 	$(PYTEST) tests/package
@@ -167,7 +167,7 @@ test-e2e-long: $(SITE) browser
 coverage: $(VENV)/.dev $(SITE) wheel ## lines and branches that the tests run, long ones too, in build/coverage; fails if they become fewer
 	@rm -rf build/coverage && mkdir -p build/coverage/python
 	$(STEP) coverage-web npm test --silent -- $(QUIETLY) --coverage
-	$(STEP) coverage-run $(BIN)/coverage run -m pytest $(IN_PARALLEL) -m "not species"
+	$(STEP) coverage-run $(BIN)/coverage run -m pytest $(IN_PARALLEL) -m "not release"
 	@$(BIN)/coverage combine --quiet && $(BIN)/coverage html --quiet
 	@$(BIN)/coverage report
 

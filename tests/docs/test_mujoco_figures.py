@@ -42,7 +42,7 @@ def figures() -> ModuleType:
     ("page", "head", "measured"),
     [
         (MUJOCO_PAGE, "tree | bodies", "row"),
-        pytest.param(MUJOCO_PAGE, "tree | wind", "gust_rows", marks=pytest.mark.species),
+        pytest.param(MUJOCO_PAGE, "tree | wind", "gust_rows", marks=pytest.mark.release),
         (URDF_PAGE, "tree | bodies", "urdf_row"),
     ],
 )

@@ -107,7 +107,13 @@ def test_the_example_of_the_readme_runs_as_a_file(folder: Path) -> None:
     assert folder.joinpath("mytree.gwt").stat().st_size > 0
 
 
-@pytest.mark.parametrize("form", [run_command, run_at_the_prompt, run_in_a_thread, run_notebook])
+AT_RELEASES = [
+    pytest.param(form, marks=pytest.mark.release)
+    for form in (run_command, run_at_the_prompt, run_in_a_thread)
+]
+
+
+@pytest.mark.parametrize("form", [run_notebook, *AT_RELEASES])
 def test_the_example_of_the_readme_runs_elsewhere(form: Callable[[Path, str], None], meshed: Path) -> None:
     """Worker processes are started however the program was: they do not import it."""
     form(meshed, quick(EXAMPLE))

@@ -62,7 +62,7 @@ def main() -> int:
         own = prepared(version, python)
         environment = {**os.environ, "NUMBA_CACHE_DIR": str(own.parents[1] / "numba")}
         for tests in TEST_GROUPS:
-            call = [str(own), "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not species", *tests]
+            call = [str(own), "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not release", *tests]
             if subprocess.run(call, cwd=ROOT, env=environment).returncode:
                 failed.append(version)
     print(f"tested: {', '.join(tested) or 'none'}; failed: {', '.join(dict.fromkeys(failed)) or 'none'}")

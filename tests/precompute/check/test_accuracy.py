@@ -1,6 +1,6 @@
 """The accuracy claimed of the shipped species, on a build of the smallest of them with fewer tetrahedra.
 
-`make test-species` tests all of them as they are shipped.
+`make test-release` tests all of them as they are shipped.
 """
 
 from __future__ import annotations

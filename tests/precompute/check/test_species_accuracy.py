@@ -1,4 +1,4 @@
-"""The accuracy that is claimed of all shipped species, in every unseen wind: `make test-species`, minutes.
+"""The accuracy that is claimed of all shipped species, in every unseen wind: `make test-release`, minutes.
 
 Ordinary wind is tested in two ways: winds that peak at 0.65 of the strongest sampled speed on the table as
 it is shipped (18 m/s), and winds that sway the tree by a tenth of its height on a table sampled up to a fifth
@@ -29,7 +29,7 @@ BENDING_SPEED_M_S = {"poplar": 23.0, "maple": 60.0, "apricot": 60.0}
 """At which a steady wind sways the tree by about a fifth of its height, or the highest there is, m/s."""
 WINDS = 6
 
-pytestmark = [pytest.mark.species, pytest.mark.timeout(3600)]
+pytestmark = [pytest.mark.release, pytest.mark.timeout(3600)]
 
 
 @pytest.fixture(scope="module", params=list(BENDING_SPEED_M_S))

@@ -106,13 +106,13 @@ def test_the_model_of_the_table_is_taken_by_its_hash(model: FemModel, tmp_path: 
 
 BUILTIN_MESHES = builtin_meshes(species_folder())
 ALWAYS_BUILT_AGAIN = ("poplar", "apricot-forest", "spruce")
-"""An open tree, one of the forest, and an evergreen; `make test-species` builds the models of all others."""
+"""An open tree, one of the forest, and an evergreen; `make test-release` builds the models of all others."""
 
 
 @pytest.mark.parametrize(
     "mesh",
     [
-        pytest.param(mesh, id=mesh.name, marks=() if mesh.name in ALWAYS_BUILT_AGAIN else pytest.mark.species)
+        pytest.param(mesh, id=mesh.name, marks=() if mesh.name in ALWAYS_BUILT_AGAIN else pytest.mark.release)
         for mesh in BUILTIN_MESHES
     ],
 )
