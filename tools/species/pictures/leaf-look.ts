@@ -6,8 +6,9 @@ export interface SideShoots {
   /** Length and rise of the lowest, relative to usual ones. */
   sideLength?: number;
   sideRise?: number;
-  /** How much shorter the uppermost is than the lowest. */
+  /** How much shorter the uppermost is than the lowest, and how much less it rises. */
   shortening?: number;
+  lessRise?: number;
   /** Where the lowest starts, relative to the length of the main shoot. */
   lowest?: number;
 }
@@ -29,7 +30,7 @@ export interface LeafLook {
   /** Side shoots of the shoot on a card. */
   sideShoots: number;
   /** A fuller shoot, which browsers draw on the card; the leaf area and mass of the tree are those of the other one. */
-  fuller?: SideShoots & { sideShoots: number; leavesPerCard: number };
+  fuller?: SideShoots & { sideShoots: number; leavesPerCard: number; length?: number };
   /** Side shoots of the shoot of a spray; null: it has none. */
   sprayShoots: SideShoots | null;
   /** Angle of the leaves to the shoot, degrees. */

@@ -31,7 +31,7 @@ export function growShoots(
   random: Random,
   sideCount: number,
   leafCount: number,
-  { sideLength = 1, sideRise = 1, shortening = 0.48, lowest = 0.18 }: SideShoots = {},
+  { sideLength = 1, sideRise = 1, shortening = 0.48, lessRise = 0, lowest = 0.18 }: SideShoots = {},
 ): Shoot[] {
   const bend = random.around(0, 0.08);
   const points = Math.max(LEAST_POINTS, leafCount);
@@ -42,7 +42,7 @@ export function growShoots(
       main[Math.round((lowest + ((UPPERMOST_SIDE - lowest) / sideCount) * i) * (main.length - 1))];
     const side = i % 2 === 0 ? 1 : -1;
     const reach = sideLength * random.uniform(0.24, 0.34) * (1 - (shortening / sideCount) * i);
-    const rise = sideRise * random.uniform(0.12, 0.24);
+    const rise = sideRise * random.uniform(0.12, 0.24) * (1 - (lessRise / sideCount) * i);
     const middle: LeafPoint = [start[0] + side * reach * 0.5, start[1] + rise * 0.7];
     shoots.push({
       points: curve(start, middle, [start[0] + side * reach, start[1] + rise], points),

@@ -39,7 +39,11 @@ vec2 shootCopy(vec2 at) {
 export const ALPHA_TEST = 0.42;
 
 /** From afar, a shoot covers as much as so many of its pictures would behind each other, of which each has its holes elsewhere. */
-const FAR_LAYERS = 1.6;
+const LEAF_LAYERS = 1.6;
+const NEEDLE_LAYERS = 2.2;
+
+/** Cells of shoots with needles are longer than wide, along the shoot: streaks, where round ones would look like leaves. */
+const NEEDLE_CELL_LENGTH = 4;
 
 /**
  * Alpha of a leaf picture that is drawn smaller than it is, in texels per pixel: then it is the share of a pixel that leaves cover.
@@ -48,13 +52,20 @@ const FAR_LAYERS = 1.6;
  * McGuire 2017), so that cards behind each other add up.
  */
 export const LEAF_COVER = /* glsl */ `
+#ifdef EVERGREEN
+  const vec2 CELLS_PER_PIXEL = vec2(1.0, ${(1 / NEEDLE_CELL_LENGTH).toFixed(3)});
+  const float FAR_LAYERS = ${NEEDLE_LAYERS.toFixed(1)};
+#else
+  const vec2 CELLS_PER_PIXEL = vec2(1.0);
+  const float FAR_LAYERS = ${LEAF_LAYERS.toFixed(1)};
+#endif
 float leafCover(float alpha, vec2 texel, float wide, float piece) {
   float level = 0.5 * log2(max(wide, 1.0));
   float far = smoothstep(1.0, 2.5, level);
   if (far == 0.0) return alpha;
-  vec2 cell = floor(texel * exp2(-ceil(level))) + 59.0 * floor(97.0 * piece);
+  vec2 cell = floor(texel * exp2(-ceil(level)) * CELLS_PER_PIXEL) + 59.0 * floor(97.0 * piece);
   float chance = fract(52.9829189 * fract(dot(cell, vec2(0.06711056, 0.00583715))));
-  float open = pow(1.0 - min(alpha, 1.0), ${FAR_LAYERS.toFixed(1)});
+  float open = pow(1.0 - min(alpha, 1.0), FAR_LAYERS);
   float covered = clamp(${ALPHA_TEST} + 4.0 * (1.0 - open - chance), 0.0, 1.0);
   return mix(alpha, covered, far);
 }
