@@ -134,8 +134,8 @@ describe("atlas", () => {
     }
   });
 
-  test("all impostors together take less than 100 MB of graphics memory, also while they are baked", () => {
-    expect(MOST_ATLASES * ATLAS_BYTES + canvasBytes(512) + SHADE_SIDE ** 2).toBeLessThan(100e6);
+  test("all impostors together take less than 61 MB of graphics memory, also while they are baked", () => {
+    expect(MOST_ATLASES * ATLAS_BYTES + canvasBytes(512) + SHADE_SIDE ** 2).toBeLessThan(61e6);
   });
 
   test("every vertex lies in the unit sphere, and one near its surface", () => {

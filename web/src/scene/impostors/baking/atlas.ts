@@ -6,6 +6,9 @@ import {
   LinearFilter,
   LinearMipmapLinearFilter,
   NoColorSpace,
+  type TextureDataType,
+  UnsignedByteType,
+  UnsignedShort4444Type,
   WebGLRenderTarget,
 } from "three";
 import { COLOUR_VIEW, SURFACE_VIEW, type ViewSize } from "./atlasLayout";
@@ -14,7 +17,7 @@ import { type TreeBox, treeBox } from "./treeBox";
 
 export const VIEW_COUNT = VIEWS_PER_SIDE * VIEWS_PER_SIDE;
 
-function picture({ width, height }: ViewSize): WebGLRenderTarget {
+function picture({ width, height }: ViewSize, type: TextureDataType): WebGLRenderTarget {
   const target = new WebGLRenderTarget(VIEWS_PER_SIDE * width, VIEWS_PER_SIDE * height, {
     depthBuffer: false,
     magFilter: LinearFilter,
@@ -22,6 +25,7 @@ function picture({ width, height }: ViewSize): WebGLRenderTarget {
     wrapS: ClampToEdgeWrapping,
     wrapT: ClampToEdgeWrapping,
     colorSpace: NoColorSpace,
+    type,
     generateMipmaps: false, // only after the last view
   });
   target.scissorTest = true;
@@ -30,10 +34,10 @@ function picture({ width, height }: ViewSize): WebGLRenderTarget {
 
 export class Atlas {
   readonly box: TreeBox;
-  /** Colour without light, multiplied by the opacity; opacity. */
-  readonly colour = picture(COLOUR_VIEW);
+  /** Colour without light, multiplied by the opacity; opacity. Sixteen bits look the same as 32. */
+  readonly colour = picture(COLOUR_VIEW, UnsignedShort4444Type);
   /** Normal (octahedron), depth, kind and openness to the sky. */
-  readonly surface = picture(SURFACE_VIEW);
+  readonly surface = picture(SURFACE_VIEW, UnsignedByteType);
   /** Views that have been drawn since the last start. */
   done = 0;
   /** Whether all views have been drawn once, so that trees can be shown. */

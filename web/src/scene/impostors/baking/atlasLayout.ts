@@ -15,17 +15,24 @@ export const MOST_ATLASES = 12;
 
 /** Mip levels add a third. */
 const MIP_FACTOR = 4 / 3;
-const BYTES_PER_PIXEL = 4;
+/** Colour and opacity have four bits each (see `COLOUR_STEPS`). */
+const COLOUR_BYTES_PER_PIXEL = 2;
+const SURFACE_BYTES_PER_PIXEL = 4;
+const CANVAS_BYTES_PER_PIXEL = 3 * 4;
+
+/** Steps between none and all of a colour. Which of two is taken is left to chance, so that means over several texels are right. */
+export const COLOUR_STEPS = 15;
+
+const pixels = ({ width, height }: ViewSize): number => width * height;
 
 /** GPU memory of one atlas, bytes. */
 export const ATLAS_BYTES = Math.ceil(
   VIEWS_PER_SIDE ** 2 *
-    BYTES_PER_PIXEL *
     MIP_FACTOR *
-    (COLOUR_VIEW.width * COLOUR_VIEW.height + SURFACE_VIEW.width * SURFACE_VIEW.height),
+    (COLOUR_BYTES_PER_PIXEL * pixels(COLOUR_VIEW) + SURFACE_BYTES_PER_PIXEL * pixels(SURFACE_VIEW)),
 );
 /** Memory of the target into which one view is drawn before it is reduced: two pictures, one depth buffer. */
-export const canvasBytes = (side: number): number => 3 * BYTES_PER_PIXEL * side * side;
+export const canvasBytes = (side: number): number => CANVAS_BYTES_PER_PIXEL * side * side;
 
 /** Lower left pixel of one view in a picture. */
 export function viewCorner(view: number, { width, height }: ViewSize): { left: number; bottom: number } {

@@ -1,6 +1,7 @@
 /** Shaders that draw one view of a tree at rest, and that reduce it to its place in the atlas. */
 
 import { VARIANT_SHADER } from "galewood/trees";
+import { COLOUR_STEPS } from "./atlasLayout";
 
 /** Light is stored as its square root, which keeps dark colours apart in eight bits. */
 export const BAKE_VERTEX = /* glsl */ `
@@ -137,7 +138,9 @@ void main() {
     mean = covered > 0.0 ? sum : vec4(0.5 + 0.5 * octahedron(normalize(ball)), 0.5 + 0.5 * clamp(axis, -0.8, 0.8), 0.92);
   } else {
     float share = covered / float(uBlock.x * uBlock.y);
-    mean = vec4(covered > 0.0 ? sqrt(sum.rgb / covered * (1.0 - 0.55 * hollow)) * share : vec3(0.0), share);
+    vec3 light = covered > 0.0 ? sqrt(sum.rgb / covered * (1.0 - 0.55 * hollow)) * share : vec3(0.0);
+    float chance = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    mean = covered > 0.0 ? clamp(vec4(light, share) + (chance - 0.5) / ${COLOUR_STEPS.toFixed(1)}, 0.0, 1.0) : vec4(0.0);
   }
 }
 `;
