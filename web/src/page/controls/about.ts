@@ -6,7 +6,7 @@ const PARAGRAPHS = [
   "Method: the wood of a tree is filled with tetrahedra, stiffer along the grain. A corotational finite element simulation " +
     "computes how it moves in training winds. This is reduced to a few modes and stored in a table of less than half a " +
     "megabyte, which plays the tree in any wind: thousands of trees at once, each in its own gusts.",
-  "Error: in gusts that differ within the crown, the 24 built-in trees are off by 2 to 29 % of their sway from the " +
+  "Error: in gusts that differ within the crown, the 24 built-in trees are off by 1 to 29 % of their sway from the " +
     "full simulation (root mean squares); in winds that are the same over the whole crown, with peaks of 12 m/s, by less than " +
     "2.7 % of their height. “Accuracy” simulates a tree in the present wind in full and shows both side by side.",
   "The other method, in the settings, is that of the paper: a search for the most similar recorded state.",
