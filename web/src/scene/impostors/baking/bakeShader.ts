@@ -3,7 +3,7 @@
 import { VARIANT_SHADER } from "galewood/trees";
 import { COLOUR_STEPS } from "./atlasLayout";
 
-/** Light is stored as its square root, which keeps dark colours apart in eight bits. */
+/** Light is stored as its square root, which keeps dark colours apart in few bits. */
 export const BAKE_VERTEX = /* glsl */ `
 precision highp float;
 in vec3 position;
