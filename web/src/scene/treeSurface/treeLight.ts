@@ -126,7 +126,7 @@ if (uSnow > 0.0) {
  * of the crown, so by them alone only its top would be white. `skyward`: the upward part of the normal; `random`: of the shoot, 0..1.
  */
 export const snowOnNeedles = (skyward: string, random: string): string =>
-  `0.8 * smoothstep(0.35, 0.95, 0.3 + 0.3 * ${skyward} + 0.75 * ${random})`;
+  `0.8 * smoothstep(0.35, 0.95, 0.36 + 0.16 * ${skyward} + 0.75 * ${random})`;
 
 /** Thickness of the snow on shoots, m. */
 const SHOOT_SNOW_M = 0.05;
@@ -139,7 +139,7 @@ if (uSnow > 0.0) {
   #ifdef USE_MAP
     float pixels = clamp(${SHOOT_SNOW_M} / max(1e-4, length(dFdy(vViewPosition))), 1.0, 60.0);
     float gap = 1.0 - smoothstep(0.15, 0.6, textureGrad(map, leafUv + pixels * down / texels, right / texels, down / texels).a);
-    lying = min(0.95, 0.35 * lying + 0.85 * gap * smoothstep(-0.7, 0.2, skyward));
+    lying = min(0.95, 0.35 * lying + 0.85 * gap * smoothstep(-1.3, 0.2, skyward));
   #endif
   diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying * uSnow);
 }
