@@ -228,7 +228,7 @@ function toBlade(look: LeafLook, { x, y, angle, length, squeeze }: Leaf) {
   };
 }
 
-/** The shadow of a leaf: where it lies below the leaf, and how much larger than it. */
+/** The shadow of a leaf: where it lies below the leaf, and how much smaller the leaf is. */
 const SHADOW_OFFSET: LeafPoint = [0.006, 0.014];
 const SHADOW_SHRINK = 0.94;
 /** A shadow ends at this distance (leaf lengths) from a point on the blade, so that needles do not shade far. */

@@ -42,7 +42,7 @@ export const ALPHA_TEST = 0.42;
 const LEAF_LAYERS = 1.6;
 const NEEDLE_LAYERS = 2.2;
 
-/** Cells of shoots with needles are longer than wide, along the shoot: streaks, where round ones would look like leaves. */
+/** Cells of shoots with needles are longer than wide, along the shoot: streaks, where square ones would look like leaves. */
 const NEEDLE_CELL_LENGTH = 4;
 
 /**
