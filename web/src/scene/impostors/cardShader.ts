@@ -2,6 +2,7 @@
 
 import { LEAN_SHADER, NODE_TEXEL } from "galewood/trees";
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
+import { GRADIENT_NOISE } from "../treeSurface/leafColour";
 import { CROWN_LIGHT } from "../treeSurface/treeLight";
 import { COLOUR_VIEW } from "./baking/atlasLayout";
 import { OCTAHEDRAL_GLSL } from "./baking/octahedral";
@@ -123,10 +124,7 @@ varying vec3 vCard;
 varying vec3 vRay;
 varying float vHeight;
 ${OCTAHEDRAL_GLSL}
-/** Interleaved gradient noise (Jimenez 2014): even over few pixels. */
-float gradientNoise(vec2 pixel) {
-  return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
-}
+${GRADIENT_NOISE}
 vec3 fromOctahedron(vec2 folded) {
   vec3 n = vec3(folded.y, 1.0 - abs(folded.x) - abs(folded.y), folded.x);
   float under = max(-n.y, 0.0);

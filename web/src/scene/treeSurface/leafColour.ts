@@ -42,6 +42,13 @@ export const ALPHA_TEST = 0.42;
 const LEAF_LAYERS = 1.6;
 const NEEDLE_LAYERS = 2.2;
 
+/** Interleaved gradient noise (Jimenez 2014): even over few pixels. */
+export const GRADIENT_NOISE = /* glsl */ `
+float gradientNoise(vec2 pixel) {
+  return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+`;
+
 /** Cells of shoots with needles are longer than wide, along the shoot: streaks, where square ones would look like leaves. */
 const NEEDLE_CELL_LENGTH = 4;
 
@@ -52,6 +59,7 @@ const NEEDLE_CELL_LENGTH = 4;
  * McGuire 2017), so that cards behind each other add up.
  */
 export const LEAF_COVER = /* glsl */ `
+${GRADIENT_NOISE}
 #ifdef EVERGREEN
   const vec2 CELLS_PER_PIXEL = vec2(1.0, ${(1 / NEEDLE_CELL_LENGTH).toFixed(3)});
   const float FAR_LAYERS = ${NEEDLE_LAYERS.toFixed(1)};
@@ -64,9 +72,8 @@ float leafCover(float alpha, vec2 texel, float wide, float piece) {
   float far = smoothstep(1.0, 2.5, level);
   if (far == 0.0) return alpha;
   vec2 cell = floor(texel * exp2(-ceil(level)) * CELLS_PER_PIXEL) + 59.0 * floor(97.0 * piece);
-  float chance = fract(52.9829189 * fract(dot(cell, vec2(0.06711056, 0.00583715))));
   float open = pow(1.0 - min(alpha, 1.0), FAR_LAYERS);
-  float covered = clamp(${ALPHA_TEST} + 4.0 * (1.0 - open - chance), 0.0, 1.0);
+  float covered = clamp(${ALPHA_TEST} + 4.0 * (1.0 - open - gradientNoise(cell)), 0.0, 1.0);
   return mix(alpha, covered, far);
 }
 `;

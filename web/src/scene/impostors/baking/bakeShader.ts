@@ -1,6 +1,7 @@
 /** Shaders that draw one view of a tree at rest, and that reduce it to its place in the atlas. */
 
 import { VARIANT_SHADER } from "galewood/trees";
+import { GRADIENT_NOISE } from "../../treeSurface/leafColour";
 import { COLOUR_STEPS } from "./atlasLayout";
 
 /** Light is stored as its square root, which keeps dark colours apart in few bits. */
@@ -91,6 +92,7 @@ uniform vec3 uUp;
 uniform vec3 uTowards;
 uniform vec2 uSize;
 out vec4 mean;
+${GRADIENT_NOISE}
 vec2 octahedron(vec3 n) {
   n /= abs(n.x) + abs(n.y) + abs(n.z);
   vec2 folded = (1.0 - abs(n.zx)) * vec2(n.z < 0.0 ? -1.0 : 1.0, n.x < 0.0 ? -1.0 : 1.0);
@@ -139,7 +141,7 @@ void main() {
   } else {
     float share = covered / float(uBlock.x * uBlock.y);
     vec3 light = covered > 0.0 ? sqrt(sum.rgb / covered * (1.0 - 0.55 * hollow)) * share : vec3(0.0);
-    float chance = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    float chance = gradientNoise(gl_FragCoord.xy);
     mean = covered > 0.0 ? clamp(vec4(light, share) + (chance - 0.5) / ${COLOUR_STEPS.toFixed(1)}, 0.0, 1.0) : vec4(0.0);
   }
 }
