@@ -15,10 +15,10 @@ const PLAYER = fileURLToPath(new URL("../../../web/player/", import.meta.url));
 const DIST = `${PLAYER}dist/`;
 const PAGE = `${PLAYER}../src/`;
 /** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides; the forest for WebGPURenderer; compute shaders. */
-const MOST_BYTES = 43_200;
+const MOST_BYTES = 43_500;
 const MOST_ELEMENT_BYTES = 2_200;
 const MOST_STREAM_BYTES = 40_000;
-const MOST_WEBGPU_BYTES = 20_200;
+const MOST_WEBGPU_BYTES = 20_300;
 const MOST_COMPUTE_BYTES = 26_000;
 const STREAM = ["stream.js", "galewood.stream.worker.js"];
 
@@ -87,7 +87,7 @@ function closureOf(names: readonly string[]): string[] {
 }
 
 describe("the built package", () => {
-  test("plays within 43,200 bytes, compressed, with worker and kernel", () => {
+  test(`plays within ${MOST_BYTES} bytes, compressed, with worker and kernel`, () => {
     const bytes = (names: readonly string[]) =>
       names.reduce((sum, name) => sum + gzipSync(readFileSync(DIST + name), { level: 9 }).length, 0);
     const playing = closureOf(["core.js", "three.js", "galewood.worker.js"]);

@@ -30,7 +30,7 @@ import { treeBox } from "../../../web/src/scene/impostors/baking/treeBox";
 import { placeTrees, reach_m, SPACING_M } from "../../../web/src/scene/placement";
 import { FADE_END, fadeAt } from "../../../web/player/src/trees/crossFade";
 import { DrawList, type View } from "../../../web/player/src/trees/drawList";
-import { bendNodes } from "../../../web/player/src/trees/farCards";
+import { bendNodes } from "../../../web/player/src/core/table/cardLevel";
 import { createInstanceData } from "../../../web/player/src/trees/instanceData";
 import { oscillatorOf } from "../../../web/player/src/worker/table/firstSway";
 import { tableMotion } from "../../../web/player/src/worker/table/tableMotion";

@@ -4,6 +4,7 @@
  */
 export { LEVEL_SHARES } from "./core/constants";
 export { groundUnder, type Ray } from "./core/math/groundRay";
+export { type BendNodes, bendNodes } from "./core/table/cardLevel";
 export {
   CLOSE_FLOATS,
   type CloseLeaves,
@@ -15,7 +16,7 @@ export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling/culling";
 export { nearRank, rankedIndex } from "./trees/detail";
 export type { DrawList, View } from "./trees/drawList";
 export type { ShadowOptions } from "./trees/drawnParts";
-export { type BendNodes, bendNodes, type FarCards, fillCards } from "./trees/farCards";
+export { type FarCards, fillCards } from "./trees/farCards";
 export {
   createInstanceData,
   INSTANCE_FLOATS,

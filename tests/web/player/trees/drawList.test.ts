@@ -1,7 +1,8 @@
 import { describe, expect, test } from "vitest";
 import { cylinderSeen } from "../../../../web/player/src/trees/culling/culling";
 import { LEVEL_SHARES } from "../../../../web/player/src/core/constants";
-import { LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
+import { CARD_LEVEL, LEVEL_COUNT, NODE_LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
+import { FADE_END } from "../../../../web/player/src/trees/crossFade";
 import { DrawList, type View } from "../../../../web/player/src/trees/drawList";
 import { placeTrees } from "../../../../web/src/scene/placement";
 import { INSTANCE_FLOATS, createInstanceData } from "../../../../web/player/src/trees/instanceData";
@@ -90,11 +91,28 @@ describe("selection of trees", () => {
   test("the ranges of the levels partition the order", () => {
     const list = select(halfSpace);
     let at = 0;
-    for (let level = 0; level < LEVEL_COUNT; level++) {
+    for (let level = 0; level < NODE_LEVEL_COUNT; level++) {
       expect(list.start[level]).toBe(at);
       at += list.visible[level] + list.hidden[level];
     }
     expect(at).toBe(list.drawn);
+  });
+
+  test("trees that are cards only have a level of their own, unless they cast shadows", () => {
+    const list = select({ ...everywhere, cardsFrom_m: 30, shadow_m: 10 });
+    const cardsOnly = new Set(list.order.subarray(list.start[CARD_LEVEL], list.drawn));
+    expect(list.visible[CARD_LEVEL]).toBe(0);
+    expect(cardsOnly.size).toBe(list.hidden[CARD_LEVEL]);
+    const all = Array.from({ length: instances.count }, (_, tree) => tree);
+    const far = all.filter((tree) => {
+      const [x, y, z, , , , scale] = dataOf(tree);
+      return Math.hypot(x, y + 5 * scale - 5, z - 20) / scale > 30 * FADE_END && !casterTrees(list).includes(tree);
+    });
+    expect(new Set(far)).toEqual(cardsOnly);
+    expect(cardsOnly.size).toBeGreaterThan(50);
+    expect(cardsOnly.size).toBeLessThan(instances.count);
+    expect(casterTrees(list).length).toBeGreaterThan(0);
+    expect(select({ ...everywhere, cardsFrom_m: 30, shadow_m: 1000 }).hidden[CARD_LEVEL]).toBe(0);
   });
 
   test("a tree that bends into view is drawn", () => {

@@ -2,7 +2,7 @@
 import type { DataTexture, InstancedBufferGeometry, Mesh, RawShaderMaterial } from "three";
 import { expect, test } from "vitest";
 import type { DrawnMotion } from "../../../../web/player/src/core/table/drawnTable";
-import { LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
+import { NODE_LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
 import type { DrawList } from "../../../../web/player/src/trees/drawList";
 import { PERIODS } from "../../../../web/player/src/trees/nodes/levelPass";
 import type { NodeRenderer } from "../../../../web/player/src/trees/nodes/nodeGraphics";
@@ -27,7 +27,7 @@ function recorder(): { renderer: NodeRenderer; drawn: Drawn[] } {
 
 /** A motion of so many modes, whose rows have numbers of its own. */
 function motionOf(next: () => number, modes: number): DrawnMotion {
-  const levels = Array.from({ length: LEVEL_COUNT }, (_, k) => {
+  const levels = Array.from({ length: NODE_LEVEL_COUNT }, (_, k) => {
     const nodes = Math.max(2, Math.floor((30 * next()) / (k + 1)));
     const coordinates = Uint16Array.from({ length: Math.max(1, modes - 3 * k) }, (_, mode) => mode);
     const quads = Math.ceil((coordinates.length + 1) / 4);
@@ -41,11 +41,11 @@ function motionOf(next: () => number, modes: number): DrawnMotion {
 
 /** Trees of a species by level, in any order. */
 function listOf(next: () => number, most: number): DrawList {
-  const visible = Uint32Array.from({ length: LEVEL_COUNT }, () => Math.floor(most * next()));
-  const hidden = Uint32Array.from({ length: LEVEL_COUNT }, () => Math.floor(3 * next()));
-  const start = new Uint32Array(LEVEL_COUNT);
-  for (let k = 1; k < LEVEL_COUNT; k++) start[k] = start[k - 1] + visible[k - 1] + hidden[k - 1];
-  const count = start[LEVEL_COUNT - 1] + visible[LEVEL_COUNT - 1] + hidden[LEVEL_COUNT - 1];
+  const visible = Uint32Array.from({ length: NODE_LEVEL_COUNT }, () => Math.floor(most * next()));
+  const hidden = Uint32Array.from({ length: NODE_LEVEL_COUNT }, () => Math.floor(3 * next()));
+  const start = new Uint32Array(NODE_LEVEL_COUNT);
+  for (let k = 1; k < NODE_LEVEL_COUNT; k++) start[k] = start[k - 1] + visible[k - 1] + hidden[k - 1];
+  const count = start[NODE_LEVEL_COUNT - 1] + visible[NODE_LEVEL_COUNT - 1] + hidden[NODE_LEVEL_COUNT - 1];
   const order = Uint32Array.from({ length: count }, (_, slot) => count - 1 - slot);
   return { visible, hidden, start, order, share: new Float32Array(count) } as unknown as DrawList;
 }
@@ -72,7 +72,7 @@ function check(species: readonly Own[], mesh: Drawn, { width, height }: { width:
   const used: [number, number][] = [];
   species.forEach(({ motion, list, told, poses: own }, k) => {
     motion.levels.forEach(({ nodes, quads, coordinates, basis }, level) => {
-      const at = 4 * (k * LEVEL_COUNT + level);
+      const at = 4 * (k * NODE_LEVEL_COUNT + level);
       const [row, trees] = places.subarray(at, at + 2);
       const [, , pose, firstRow] = sizes.subarray(at, at + 4);
       expect([trees, places[at + 2], sizes[at]]).toEqual([list.visible[level] + list.hidden[level], nodes, quads]);
@@ -99,6 +99,7 @@ test(`species share target, poses and rows, whatever is drawn of each (seed ${SE
   const all = new TogetherNodes(MAX_SIDE, { value: 1 });
   const species: Own[] = [];
   let moves = 0;
+  let largest = 0;
   const plant = (modes: number) => {
     const motion = motionOf(next, modes);
     const own: Own = {
@@ -115,8 +116,9 @@ test(`species share target, poses and rows, whatever is drawn of each (seed ${SE
     if (round === 8) plant(17);
     if (round === 16) species.splice(1, 1)[0].nodes.dispose();
     for (const own of species) {
-      if (own.told.length > 0 && next() < 0.4) continue; // in another turn
-      own.list = listOf(next, 4 * (round + 1));
+      const ending = round >= ROUNDS - 2; // with many trees, then with few, whose room is given back
+      if (own.told.length > 0 && next() < 0.4 && !ending) continue; // in another turn
+      own.list = listOf(next, ending ? [1000, 1][round - ROUNDS + 2] : 4 * (round + 1));
       own.poses = Float32Array.from({ length: own.list.order.length * own.motion.stride }, next);
       own.nodes.setPoses(own.poses, null);
       let moving = -1; // it is told of its own place first
@@ -129,8 +131,11 @@ test(`species share target, poses and rows, whatever is drawn of each (seed ${SE
     const { renderer, drawn } = recorder();
     for (const { nodes } of species) nodes.render(renderer);
     expect(drawn).toHaveLength(2);
-    expect(drawn[0].geometry.instanceCount).toBe(species.length * LEVEL_COUNT);
+    expect(drawn[0].geometry.instanceCount).toBe(species.length * NODE_LEVEL_COUNT);
     check(species, drawn[0], all.target);
+    const { width, height } = all.target;
+    if (round === ROUNDS - 2) largest = width * height;
+    if (round === ROUNDS - 1) expect(width * height).toBeLessThan(0.2 * largest);
   }
   expect(moves).toBeGreaterThan(0);
 });
@@ -165,10 +170,10 @@ test(`levels far away take every second or fourth pose, and keep the one before 
   const all = new TogetherNodes(MAX_SIDE, { value: 1 });
   const motion = motionOf(next, 6);
   const nodes = all.add(motion);
-  const visible = new Uint32Array(LEVEL_COUNT).fill(1);
+  const visible = new Uint32Array(NODE_LEVEL_COUNT).fill(1);
   const one = Uint32Array.from(visible, (_, k) => k);
-  const list = { visible, hidden: new Uint32Array(LEVEL_COUNT), start: one, order: one, share: new Float32Array(LEVEL_COUNT) };
-  const posesOf = (frame: number) => new Float32Array(LEVEL_COUNT * motion.stride).fill(frame);
+  const list = { visible, hidden: new Uint32Array(NODE_LEVEL_COUNT), start: one, order: one, share: new Float32Array(NODE_LEVEL_COUNT) };
+  const posesOf = (frame: number) => new Float32Array(NODE_LEVEL_COUNT * motion.stride).fill(frame);
   nodes.setPoses(posesOf(0), null);
   nodes.place(list as unknown as DrawList, () => {});
   const shown = (mesh: Drawn, level: number) => {

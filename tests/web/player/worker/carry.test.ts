@@ -5,8 +5,9 @@ import { decodeTable, type Table } from "../../../../web/player/src/core/table/t
 import { WindField } from "../../../../web/player/src/core/wind/field";
 import { carryGroup, poseTransfer, rowsBefore } from "../../../../web/player/src/worker/motion/carry";
 import { LocalMotion } from "../../../../web/player/src/worker/motion/localMotion";
-import { coarserNodes, groupRows } from "../../../../web/player/src/core/table/nodeLevels";
+import { groupRows } from "../../../../web/player/src/core/table/nodeLevels";
 import { tableMotion } from "../../../../web/player/src/worker/table/tableMotion";
+import { NODE_LEVEL_COUNT } from "../../../../web/player/src/trees/detail";
 import { golden } from "../../golden";
 import { seededRandom } from "../../seeded";
 
@@ -153,8 +154,8 @@ describe("nodes of the levels of detail", () => {
 
   test("every level covers all nodes, and its quads hold the modes and the wind", () => {
     const motion = tableMotion("", table, 0);
-    expect(motion.levels).toHaveLength(5);
-    for (const level of [...coarserNodes(table), motion.levels[0]]) {
+    expect(motion.levels).toHaveLength(NODE_LEVEL_COUNT);
+    for (const level of motion.levels) {
       expect(level.of.length).toBe(motion.nodes);
       expect(Math.max(...level.of)).toBe(level.nodes - 1);
       expect(level.coordinates.length).toBe(Math.min(motion.modes, 4 * level.quads - 1));

@@ -14,6 +14,9 @@ import { type Components, componentCentres, componentRadii } from "./mesh/compon
 
 /** Levels of detail are index prefixes that contain every piece visible up to their share. */
 export const LEVEL_COUNT = LEVEL_SHARES.length;
+/** Levels of nodes: those of meshes, and a last one of trees that are drawn as cards only. */
+export const NODE_LEVEL_COUNT = LEVEL_COUNT + 1;
+export const CARD_LEVEL = NODE_LEVEL_COUNT - 1;
 /** Share at the second distance of a view. */
 const SHARE_AT_SECOND = 0.2;
 /** Hysteresis: a tree keeps its finer level until it needs this share of the coarser one. */

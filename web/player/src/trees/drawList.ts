@@ -3,7 +3,7 @@ import { LEVEL_SHARES } from "../core/constants";
 import { fadeAt } from "./crossFade";
 import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling/culling";
 import { type Chunk, chunksOf } from "./culling/treeChunks";
-import { LEVEL_COUNT, levelFor, sharesOf } from "./detail";
+import { CARD_LEVEL, LEVEL_COUNT, levelFor, NODE_LEVEL_COUNT, sharesOf } from "./detail";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 
 export interface View {
@@ -28,7 +28,7 @@ export interface View {
 /** Distance bins: trees are drawn near to far, so that hidden fragments are not shaded; the first has those that show near parts. */
 const DISTANCE_BINS = 16;
 const BIN_M = 12;
-const CLASS_COUNT = 2 * LEVEL_COUNT * DISTANCE_BINS;
+const CLASS_COUNT = 2 * NODE_LEVEL_COUNT * DISTANCE_BINS;
 /** Casters are sorted by the smallest distance from the eye to their shadow. */
 const CAST_BINS = 32;
 const CAST_BIN_M = 6;
@@ -52,13 +52,13 @@ function matters(chunk: Chunk, { height_m, radius_m, reach_m, low_m = 0 }: Bound
 
 /**
  * Per level, the trees `order[start ...]`: first `visible` ones near to far, those that show near parts before all others, then
- * `hidden` ones that only cast.
+ * `hidden` ones that have no mesh, or only cast. The last level has those that are cards only.
  */
 export class DrawList {
   readonly order: Uint32Array;
-  readonly start = new Uint32Array(LEVEL_COUNT);
-  readonly visible = new Uint32Array(LEVEL_COUNT);
-  readonly hidden = new Uint32Array(LEVEL_COUNT);
+  readonly start = new Uint32Array(NODE_LEVEL_COUNT);
+  readonly visible = new Uint32Array(NODE_LEVEL_COUNT);
+  readonly hidden = new Uint32Array(NODE_LEVEL_COUNT);
   drawn = 0;
   /** Indices in `order` of the casters of each level, sorted by the distance of their shadow. */
   readonly casters: Uint32Array;
@@ -71,7 +71,7 @@ export class DrawList {
   readonly castShare: Float32Array;
   /** Opacity of the impostor of each visible tree. */
   readonly card: Float32Array;
-  /** Level of each tree, for the hysteresis; 255 at first. */
+  /** Level of each tree's mesh, for the hysteresis; 255 at first. */
   readonly level: Uint8Array;
   private readonly classes: Uint8Array;
   private readonly chunks: readonly Chunk[];
@@ -129,9 +129,11 @@ export class DrawList {
       return;
     }
     const pieces = this.detail(tree, distance_m / scale, seen, view);
+    const drawn = seen && pieces > 0;
+    const level = drawn || this.castBin[tree] !== NO_LEVEL ? this.level[tree] : CARD_LEVEL;
     const near = this.share[tree] > 1;
     const bin = near ? 0 : Math.min(DISTANCE_BINS - 1, 1 + Math.floor(distance_m / BIN_M));
-    this.classes[tree] = (2 * this.level[tree] + (seen && pieces > 0 ? 0 : 1)) * DISTANCE_BINS + bin;
+    this.classes[tree] = (2 * level + (drawn ? 0 : 1)) * DISTANCE_BINS + bin;
   }
 
   /** Sets level and shares of a tree; returns the share of its pieces that its impostor leaves. */

@@ -1,7 +1,7 @@
 /** Impostors of simulated trees, as the scene supplies them: what they need to know of the trees and their motion. */
 import type { Texture } from "three";
+import type { BendNodes } from "../core/table/cardLevel";
 import type { DrawnMotion } from "../core/table/drawnTable";
-import { LEVEL_COUNT } from "./detail";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";
 import type { LevelTexels } from "./nodes/treeNodes";
@@ -26,33 +26,6 @@ interface CardRoom {
   readonly bend: Float32Array;
 }
 
-/** Two nodes of the trunk by which a whole tree bends. */
-export interface BendNodes {
-  readonly middle: number;
-  readonly tip: number;
-  /** Height of the middle one relative to the tip. */
-  readonly middleAt: number;
-}
-
-/** The nodes nearest to the axis halfway up and at the top. */
-export function bendNodes({ rest_m, height_m }: Pick<DrawnMotion, "rest_m" | "height_m">): BendNodes {
-  const nearest = (share: number) => {
-    let best = 0;
-    let least = Number.POSITIVE_INFINITY;
-    for (let node = 0; node < rest_m.length / 3; node++) {
-      const [x, y, z] = rest_m.subarray(3 * node, 3 * node + 3);
-      const far = Math.abs(y - share * height_m) + Math.hypot(x, z);
-      if (far >= least) continue;
-      least = far;
-      best = node;
-    }
-    return best;
-  };
-  const [middle, tip] = [nearest(0.55), nearest(1)];
-  const at = rest_m[3 * middle + 1] / Math.max(1e-3, rest_m[3 * tip + 1]);
-  return { middle, tip, middleAt: Math.min(0.8, Math.max(0.2, at)) };
-}
-
 /** Fills the cards of a draw list, with the texels of their nodes; returns their number. */
 export function fillCards(
   { data, bend }: CardRoom,
@@ -63,9 +36,8 @@ export function fillCards(
   nodes: BendNodes,
 ): number {
   let count = 0;
-  for (let level = 0; level < LEVEL_COUNT; level++) {
+  for (const [level, { of }] of levels.entries()) {
     const { first, trees, nodes: perTree } = texels[level];
-    const { of } = levels[level];
     const fitting = Math.min(trees, list.visible[level] + list.hidden[level]);
     for (let k = 0; k < fitting; k++) {
       const tree = list.order[list.start[level] + k];

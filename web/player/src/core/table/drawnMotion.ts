@@ -1,6 +1,7 @@
 /** Extracts the part of a table by which trees are drawn. Pure. */
 
 import { poseStride } from "../motion/poseStride";
+import { bendNodes, cardLevel } from "./cardLevel";
 import type { DrawnMotion } from "./drawnTable";
 import { coarserNodes } from "./nodeLevels";
 import type { Table } from "./table";
@@ -25,6 +26,8 @@ export function drawnMotion(table: Table): DrawnMotion {
   const of = Uint16Array.from({ length: nodes }, (_, node) => node);
   const coordinates = Uint16Array.from({ length: modes }, (_, k) => k);
   const full = { nodes, quads: stride / 4, coordinates, of, basis, turn, rest_m, parent };
+  const meshLevels = [full, ...coarserNodes(table)];
+  const cards = cardLevel(meshLevels[meshLevels.length - 1], bendNodes({ rest_m, height_m }));
   return {
     modes,
     stride,
@@ -37,7 +40,7 @@ export function drawnMotion(table: Table): DrawnMotion {
     jointShare: Float32Array.from(table.jointShare),
     jointRest_m: Float32Array.from(table.jointRest),
     vertexJoint: Uint16Array.from(table.vertexJoint),
-    levels: [full, ...coarserNodes(table)],
+    levels: [...meshLevels, cards],
     reach_m,
     height_m,
   };

@@ -38,7 +38,7 @@ export interface DrawnMotion {
   readonly jointRest_m: Float32Array<ArrayBuffer>;
   /** Joint of each render vertex, primitives concatenated. */
   readonly vertexJoint: Uint16Array<ArrayBuffer>;
-  /** One per level of detail of the mesh: full detail first, then with fewer nodes and modes. */
+  /** One per level of detail of the mesh: full detail first, then with fewer nodes and modes; the last is of trees that are cards only. */
   readonly levels: readonly NodeLevel[];
   /** Largest displacement of any part of a tree of scale 1, m. */
   readonly reach_m: number;

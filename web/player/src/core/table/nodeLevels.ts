@@ -100,7 +100,7 @@ function groupParents(parent: Uint16Array, group: Uint16Array, groups: number): 
   return Uint16Array.from(first, (node, g) => (node < 0 ? g : group[parent[node]]));
 }
 
-/** The levels after the full one. */
+/** The levels of meshes after the full one. */
 export function coarserNodes(table: Table): NodeLevel[] {
   const { modes: all } = table.metadata;
   const numbers = COARSER_LEVELS.map(({ nodes }) => nodes);

@@ -41,7 +41,7 @@ export function gatherPoses(
 }
 
 /** Frames between pose updates, by level; poses are interpolated in between. */
-export const PERIODS = [1, 1, 1, 2, 4];
+export const PERIODS = [1, 1, 1, 2, 4, 4];
 
 type Step = Mesh<BufferGeometry, Material>;
 

@@ -27,12 +27,17 @@ export interface SharedNodes {
   readonly before: PoseTexture;
   /** Gives a species a block for what it wants; all others may move. */
   assign(species: SpeciesNodes): void;
+  /** Takes note that a species wants much less than it has; all may move. */
+  release(species: SpeciesNodes): void;
   /** Call when poses of a species have changed, or its places. */
   changed(places: boolean): void;
   remove(species: SpeciesNodes): void;
   /** Draws the nodes of all species, unless they were drawn since this one last asked, and have not changed since. */
   render(by: SpeciesNodes, renderer: NodeRenderer): void;
 }
+
+/** Room of which less than this share is used is given back: trees far away need few nodes once they are impostors. */
+export const LEAST_USE = 0.25;
 
 export class SpeciesNodes implements TreeNodes {
   readonly levels: readonly NodeLevel[];
@@ -99,10 +104,12 @@ export class SpeciesNodes implements TreeNodes {
       texels += nodes * trees;
       poses += quads * trees;
     });
-    if (texels > this.texelsWanted || poses > this.posesWanted) {
+    const grows = texels > this.texelsWanted || poses > this.posesWanted;
+    if (grows || roomFor(Math.max(1, texels)) < LEAST_USE * this.texelsWanted) {
       this.texelsWanted = roomFor(texels);
       this.posesWanted = roomFor(poses);
-      this.all.assign(this);
+      if (grows) this.all.assign(this);
+      else this.all.release(this);
     }
     this.placeTrees(list);
     told(this.texels);

@@ -52,7 +52,8 @@ const indicesOf = ({ counts }: Ranges, trees: Int32Array): number =>
 
 /** Both nodes of the joint of each vertex at all levels, as attributes (togetherShader.ts). */
 export function jointsOf({ part, firstVertex }: PlannedPart, motion: DrawnMotion) {
-  const perLevel = motion.levels.map((level) => jointAttribute(part, firstVertex, motion, level).array);
+  const meshLevels = motion.levels.slice(0, LEVEL_COUNT);
+  const perLevel = meshLevels.map((level) => jointAttribute(part, firstVertex, motion, level).array);
   const [finest] = perLevel;
   const joint = Uint16Array.from(finest, (value, i) =>
     i % 4 === 2 ? Math.max(...perLevel.map((joints) => joints[i])) : value,

@@ -18,7 +18,7 @@ import { writeLinks } from "../nodes/levelPass";
 import type { NodeRenderer } from "../nodes/nodeGraphics";
 import { nodeLayout } from "../nodes/nodeLayout";
 import { PoseTexture } from "./poseTexture";
-import { type SharedNodes, SpeciesNodes } from "./speciesNodes";
+import { LEAST_USE, type SharedNodes, SpeciesNodes } from "./speciesNodes";
 import { DISPLACE_ALL_GLSL, LEVEL_RECTANGLES_GLSL, SHORTEN_ALL_GLSL } from "./togetherNodeShader";
 
 /** Room of target and poses over what the species need, so that they seldom grow. */
@@ -168,6 +168,15 @@ export class TogetherNodes implements SharedNodes {
     else this.assignAll(species);
   }
 
+  release(species: SpeciesNodes): void {
+    const { width, height } = this.target;
+    if (ROOM_RATIO * this.texelsWanted < LEAST_USE * width * height) this.assignAll(species);
+  }
+
+  private get texelsWanted(): number {
+    return this.species.reduce((sum, one) => sum + one.texelsWanted, 0);
+  }
+
   private append(species: SpeciesNodes, rows: number): void {
     const { endRow, endPose, target } = this;
     const fitting = Math.min(rows, target.height - endRow);
@@ -178,9 +187,8 @@ export class TogetherNodes implements SharedNodes {
 
   private assignAll(growing: SpeciesNodes): void {
     const { species, target, first, uniforms } = this;
-    const texels = ROOM_RATIO * species.reduce((sum, one) => sum + one.texelsWanted, 0);
     const parts = species.reduce((sum, one) => sum + one.levels.length + 1, 0);
-    const { width, height, shift } = nodeLayout(texels, parts, this.maxSide);
+    const { width, height, shift } = nodeLayout(ROOM_RATIO * this.texelsWanted, parts, this.maxSide);
     this.shift.value = shift;
     target.setSize(width, height);
     first.setSize(width, height);
