@@ -71,6 +71,8 @@ interface Watched {
   quiet: string[];
 }
 
+const pathOf = (address: string) => (URL.canParse(address) ? new URL(address).pathname : address);
+
 export const test = base.extend<Watched>({
   drawn: ["never", { option: true }],
   quiet: [
@@ -78,7 +80,8 @@ export const test = base.extend<Watched>({
       await context.addInitScript(drawSlowly, DRAW_EVERY[drawn]);
       const complaints: string[] = [];
       page.on("console", (message) => {
-        if (message.type() === "error" || message.type() === "warning") complaints.push(message.text());
+        if (message.type() !== "error" && message.type() !== "warning") return;
+        complaints.push(`${message.text()} (${pathOf(message.location().url)})`);
       });
       page.on("pageerror", (error) => complaints.push(error.message));
       await use(complaints);

@@ -69,7 +69,7 @@ test("an inventory plants its stems, from an address and from a dropped file", a
   await page.route("**/api/convert*", (route) => route.fulfill({ status: 404, body: "no such file" }));
   await drop(page, "two.csv", "x,y,height\n0,0,9\n5,5,9\n");
   await expect(page.getByText("Convert the file with `galewood convert`")).toBeVisible();
-  expect(quiet.splice(0)).toEqual([expect.stringContaining("404")]); // Chromium says so too
+  expect(quiet.splice(0)).toEqual([expect.stringContaining("status of 404")]); // Chromium says so too
   await drop(page, "two.forest.json", JSON.stringify({ version: 1, stems: STEMS.slice(0, 2) }));
   await (await reportOf(page, "Forest from an inventory")).getByRole("button", { name: "Close" }).click();
   await expect.poll(() => moving(page)).toBe(2);
@@ -95,5 +95,5 @@ test("a dropped measurement becomes the wind, and trees bend with it", { tag: "@
 
   await drop(page, "broken.csv", `time,speed,direction\n0,fast,270\n`);
   await expect(page.getByText("Line 2, column 'speed': 'fast' is not a number.")).toBeVisible();
-  expect(quiet.splice(0)).toEqual([expect.stringContaining("422")]);
+  expect(quiet.splice(0)).toEqual([expect.stringContaining("status of 422")]);
 });

@@ -52,7 +52,7 @@ test("a scanned tree can be corrected before its motion is computed", async ({ p
   await page.setInputFiles("#file", { name: "scan.csv", mimeType: "text/csv", buffer: Buffer.from(scan()) });
   const dialog = page.getByRole("dialog", { name: /scan/i });
   await expect(dialog.getByLabel("Height (m)")).toHaveValue("3.0");
-  expect(quiet.splice(0)).toEqual([expect.stringContaining("415")]); // the service found no wind and no inventory in it
+  expect(quiet.splice(0)).toEqual([expect.stringContaining("status of 415")]); // the service found no wind and no inventory in it
   await expect(dialog.getByLabel("Trunk (cm)")).toHaveValue("12.0");
   const imported = () => page.waitForResponse((answer) => answer.request().method() === "PATCH" && answer.ok());
   const fill = (name: string, value: string) =>

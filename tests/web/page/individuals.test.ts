@@ -165,6 +165,21 @@ describe("for the stems of an inventory", () => {
     expect(page.toasts).toEqual(["1 of 3 trees could not be grown. The disk is full."]);
   });
 
+  test("a tree that is removed before the answer to a request names it is asked for again", async () => {
+    const { state, tools, hear } = started();
+    const id = idOf(oak(14));
+    let answered = 0;
+    page.answer = (async (order) => {
+      if (idOf(order) === id && ++answered === 1) hear(change(id, "uploaded", { state: "cancelled" }, true));
+      return { id: idOf(order), job_id: `job-${idOf(order)}-${answered}` };
+    }) satisfies Answer;
+    tools.grow(3);
+    await settle();
+    expect(page.orders.map(({ height_m }) => height_m)).toEqual([10, 14, 14, 18]);
+    for (const height_m of HEIGHTS_M) hear(ready(idOf(oak(height_m))));
+    expect(state.growth).toEqual({ at: "planted", trees: 3, shown: 3, all: 3 });
+  });
+
   test("another inventory ends it, and has its own", async () => {
     const { state, settings, tools, hear } = started();
     tools.grow(3);

@@ -66,6 +66,8 @@ export class Growth {
   private readonly heard = new Map<string, TreeChange>();
   /** Trees whose growth is being ended. */
   private readonly ending = new Set<string>();
+  /** Trees that were removed while no batch had asked for them; the answer to a request may arrive after that. */
+  private readonly removed = new Set<string>();
   /** Trees that a request of this page cancels or removes; it may take effect after they have been asked for again. */
   private readonly ended = new Set<string>();
 
@@ -144,6 +146,7 @@ export class Growth {
       return;
     }
     this.ending.delete(id);
+    if (this.removed.delete(id)) return this.askFor(batch, key, order, asks);
     batch.asked.set(id, { key, jobId: job_id });
     const change = this.heard.get(id);
     if (change) this.settle(batch, change);
@@ -163,12 +166,15 @@ export class Growth {
   private hear(change: TreeChange): void {
     const { tree, deleted } = change;
     if (!tree.grown) return;
+    this.removed.delete(tree.id);
     if (deleted) this.heard.delete(tree.id);
     else this.heard.set(tree.id, change);
     if (this.ending.has(tree.id)) this.endTree(tree.id);
     const { batch } = this;
     if (!batch?.asked.has(tree.id)) {
-      if (deleted) this.ended.delete(tree.id);
+      if (!deleted) return;
+      this.ended.delete(tree.id);
+      this.removed.add(tree.id);
       return;
     }
     this.settle(batch, change);
