@@ -8,8 +8,8 @@ export default defineConfig({
   outputDir: "results",
   globalSetup: "./setup.ts",
   workers: 1,
-  timeout: 180_000,
-  expect: { timeout: 60_000 },
+  timeout: 600_000,
+  expect: { timeout: 120_000 },
   reporter: [["line"]],
   use: {
     viewport: { width: 320, height: 180 },

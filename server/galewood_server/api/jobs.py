@@ -159,8 +159,6 @@ def get_job(job_id: str, service: ServiceDep) -> Response:
 def cancel_job(job_id: str, service: ServiceDep) -> JobOut:
     """Cancel a job: a queued job ends at once, a running one within two seconds."""
     with service.sessions.begin() as session:
-        job = find_job(session, job_id)
-        request_cancel(session, job)
-        out = job_out(job)
+        out = job_out(request_cancel(session, job_id))
     service.wake_supervisor()
     return out

@@ -29,7 +29,7 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
     """
     shipped.keep_tetrahedra(service.settings.cache_dir)
     if tree.job and tree.job.state in ACTIVE_STATES:
-        request_cancel(session, tree.job)
+        request_cancel(session, tree.job.id)
     hashes = {
         field: store_referenced(session, service.stores, FILE_COLUMNS[field], data)
         for field, data in files_of(shipped.result).items()

@@ -62,14 +62,19 @@ def end_job(
     return session.scalar(active.values(**values, **more).returning(Job.id)) is not None
 
 
-def request_cancel(session: Session, job: Job) -> None:
-    """End a queued job; request the cancellation of a running one."""
+def request_cancel(session: Session, job_id: str, *kinds: JobKind) -> Job:
+    """End a queued job; request the cancellation of a running one. Returns the job.
+
+    ProblemError like `find_job`, also if its tree is deleted meanwhile.
+    """
+    job = find_job(session, job_id, *kinds)
     if job.state == "queued":
-        end_job(session, job.id, "cancelled", message="Cancelled before it started")
+        end_job(session, job_id, "cancelled", message="Cancelled before it started")
     elif job.state == "running":
-        job.cancel_requested = True
-    session.flush()
-    session.refresh(job)
+        running = update(Job).where(Job.id == job_id, Job.state == "running")
+        session.execute(running.values(cancel_requested=True))
+    session.expire(job)
+    return find_job(session, job_id, *kinds)
 
 
 def find_job(session: Session, job_id: str, *kinds: JobKind) -> Job:

@@ -17,7 +17,6 @@ const MODAL_ERROR_PERCENT = 1;
 const GUST_ERROR_PERCENT = 2.5;
 
 test("the modal model is closer to the reference solution than the paper's state search", { tag: "@long" }, async ({ page }) => {
-  test.setTimeout(10 * 60_000);
   await page.setViewportSize({ width: 800, height: 600 });
   const gusty = { ...PRESETS["autumn-gusts"], mean_speed_m_s: 10 };
   await open(page, `${panelled}&wind=${encodeURIComponent(JSON.stringify(gusty))}`);

@@ -74,7 +74,6 @@ test.describe("overlays", () => {
   test.use({ deviceScaleFactor: 0.3, drawn: "sometimes" });
 
   test("overlays are drawn on the picked tree", { tag: "@long" }, async ({ page }) => {
-    test.setTimeout(240_000);
     await page.setViewportSize({ width: 640, height: 480 });
     await open(page, panelled);
     await forest(page);
@@ -108,7 +107,6 @@ test.describe("overlays", () => {
 });
 
 test("a forest is shared with another page: both see who is here, and the same wind", async ({ page, context }) => {
-  test.setTimeout(240_000);
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
   await page.setViewportSize({ width: 480, height: 360 });
   await open(page, panelled);

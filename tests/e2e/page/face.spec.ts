@@ -64,7 +64,6 @@ test.describe("pictures", () => {
   });
 
   test("at high quality the light of the sky is occluded among trees, and the sky itself is not", { tag: "@long" }, async ({ page }) => {
-    test.setTimeout(8 * 60_000); // two minutes on an idle machine without a graphics card
     const shown = async (quality: string) => {
       await open(page, still.replace("quality=low", `quality=${quality}`));
       await forest(page);
@@ -90,7 +89,6 @@ test.describe("pictures", () => {
   });
 
   test("leaves close to the eye are drawn one by one", { tag: "@long" }, async ({ page }) => {
-    test.setTimeout(6 * 60_000);
     await open(page, "panel=0&quality=medium&trees=6&background=0&season=summer&speed=4");
     await forest(page);
     await frames(page, ALL_SHOWN_FRAMES);
@@ -283,7 +281,6 @@ test.describe("on a wide page", () => {
     test.use({ deviceScaleFactor: 0.25, drawn: "always" });
 
     test("tools: view, fly-through, photo, video", { tag: "@long" }, async ({ page }) => {
-      test.setTimeout(6 * 60_000);
       await page.setViewportSize({ width: 800, height: 300 });
       await open(page, "quality=low&trees=2&speed=5&background=0");
       await forest(page);

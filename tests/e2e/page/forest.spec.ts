@@ -57,12 +57,11 @@ for (const lookup of ["worker", "server"] as const) {
     await forest(page);
     await expect.poll(() => sway_m(page)).toBeGreaterThan(0.02);
     await page.getByRole("button", { name: "Still" }).click();
-    await expect.poll(() => sway_m(page), { timeout: 120_000 }).toBeLessThan(0.005);
+    await expect.poll(() => sway_m(page)).toBeLessThan(0.005);
   });
 }
 
 test("the worker and the server compute the same displacement in a steady wind", async ({ page }) => {
-  test.setTimeout(8 * 60_000);
   const heading_rad = Math.PI / 6;
   const displacements: (readonly [number, number])[] = [];
   for (const lookup of ["worker", "server"] as const) {

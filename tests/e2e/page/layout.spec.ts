@@ -136,7 +136,6 @@ for (const deviceScaleFactor of [1, 2]) {
     test.use({ deviceScaleFactor, viewport: { width: 800, height: 600 } });
 
     test("no label is clipped", { tag: "@long" }, async ({ page }) => {
-      test.setTimeout(300_000);
       await page.addInitScript(() => {
         const faults: string[] = [];
         Object.assign(window, { labels: { drawn: 0, faults } });

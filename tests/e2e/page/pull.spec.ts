@@ -2,8 +2,6 @@ import type { Page } from "@playwright/test";
 import { elapse, expect, forest, frames, open, sway_m, test } from "../forest";
 
 test.use({ deviceScaleFactor: 0.3, drawn: "sometimes", viewport: { width: 480, height: 300 } });
-test.setTimeout(240_000);
-
 const STILL = "panel=0&quality=low&trees=2&flutter=0&background=0&speed=0&gust=0";
 
 interface Tree {
@@ -115,14 +113,14 @@ test("all who share a forest see a pull, wherever their motion is computed", asy
   const force = (of: Page) =>
     of.evaluate(() => Math.hypot(...(window.galewood!.pulled.find(({ held }) => held)?.force_N ?? [0])));
   // Pages in the background are not drawn: let both advance in turn.
-  await expect.poll(() => force(page), { timeout: 60_000 }).toBeGreaterThan(1);
+  await expect.poll(() => force(page)).toBeGreaterThan(1);
   await other.bringToFront();
-  await expect.poll(() => force(other), { timeout: 60_000 }).toBeGreaterThan(1);
+  await expect.poll(() => force(other)).toBeGreaterThan(1);
   await page.bringToFront();
   await page.keyboard.press("Enter");
-  await expect.poll(() => force(page), { timeout: 60_000 }).toBe(0);
+  await expect.poll(() => force(page)).toBe(0);
   await other.bringToFront();
-  await expect.poll(() => force(other), { timeout: 60_000 }).toBe(0);
+  await expect.poll(() => force(other)).toBe(0);
 });
 
 test("a click on open ground sends a gust front downwind", { tag: "@long" }, async ({ page }) => {
@@ -138,5 +136,5 @@ test("a click on open ground sends a gust front downwind", { tag: "@long" }, asy
   expect(await sway_m(page)).toBeLessThan(0.002);
   await page.mouse.click(240, 150);
   expect(await page.evaluate(() => window.galewood!.picked)).toBeNull();
-  await expect.poll(() => sway_m(page), { timeout: 60_000 }).toBeGreaterThan(0.01);
+  await expect.poll(() => sway_m(page)).toBeGreaterThan(0.01);
 });

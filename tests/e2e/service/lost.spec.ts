@@ -7,7 +7,6 @@ import { copyOf, freePort, serve, STARTS_WITHIN_MS, stop, until } from "../serve
 test("what needs a server that is gone says so, keeps what the visitor did, and is done when tried again", { tag: "@long" }, async ({ page, context, quiet }) => {
   const source = process.env.SERVER_DATA;
   test.skip(!source, "the server of BASE_URL must not be stopped");
-  test.setTimeout(300_000);
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
   await page.setViewportSize({ width: 1280, height: 720 });
   const data = copyOf(source ?? "");

@@ -28,7 +28,6 @@ function between(seen: readonly (readonly [number, number])[], time_s: number): 
 test("two pages play a shared forest that is too large for the server: the same trees in the same wind", { tag: "@long" }, async ({ page, browser }) => {
   const source = process.env.SERVER_DATA;
   test.skip(!source, "needs a server with a setting of its own");
-  test.setTimeout(300_000);
   const data = copyOf(source ?? "");
   const port = await freePort();
   const base = `http://127.0.0.1:${port}`;
@@ -67,7 +66,7 @@ test("two pages play a shared forest that is too large for the server: the same 
         const spread = Math.sqrt(pairs.reduce((sum, [value]) => sum + (value - mean) ** 2, 0));
         const apart = Math.sqrt(pairs.reduce((sum, [value, shown]) => sum + (value - shown) ** 2, 0));
         return pairs.length < 40 ? "too few frames" : apart < 0.2 * spread ? "alike" : `apart by ${apart / spread}`;
-      }, { timeout: 120_000 })
+      })
       .toBe("alike");
     // and at the same time of the day: each is asked between two answers of the other
     const time_s = (of: Page) => of.evaluate(() => window.galewood!.time_s);

@@ -8,7 +8,6 @@ test.use({ deviceScaleFactor: 0.5 });
 const GROUND = ["-4 -0.01 -4", "-4 -0.01 4", "4 -0.01 4", "4 -0.01 -4"].map((at) => `v ${at}`).join("\n");
 
 test("pieces can be chosen as wood, leaves or left out, and restored", async ({ page }) => {
-  test.setTimeout(5 * 60_000);
   page.setDefaultTimeout(2 * 60_000);
   await page.setViewportSize({ width: 900, height: 600 });
   await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=5`);
@@ -40,7 +39,6 @@ test.describe("painting", () => {
   test.use({ drawn: "always" });
 
   test("pieces are painted in the picture, undone and applied", { tag: "@long" }, async ({ page }) => {
-    test.setTimeout(5 * 60_000);
     page.setDefaultTimeout(2 * 60_000);
     await page.setViewportSize({ width: 900, height: 600 });
     await open(page, SMALL);
@@ -79,7 +77,6 @@ test.describe("painting", () => {
 });
 
 test("all trees of a file become uploads, and can be cancelled", { tag: "@long" }, async ({ page, request }) => {
-  test.setTimeout(5 * 60_000);
   page.setDefaultTimeout(2 * 60_000);
   await page.setViewportSize({ width: 900, height: 600 });
   await open(page, SMALL.replace("panel=0", "panel=1")); // the cards are in the panel
@@ -108,14 +105,14 @@ test("all trees of a file become uploads, and can be cancelled", { tag: "@long" 
   const states = async () => Promise.all((await uploads()).map(async ({ job_id }) => (await get(`jobs/${job_id}`)).state));
   const names = async () => (await uploads()).map(({ name }) => name);
   expect(await names()).toEqual(["garden 1", "garden 2"]);
-  await expect(dialog.getByRole("listitem").first()).toContainText("It moves", { timeout: 120_000 });
+  await expect(dialog.getByRole("listitem").first()).toContainText("It moves");
   await dialog.getByRole("button", { name: "Cancel all" }).click();
   goOn();
   await expect(dialog).toHaveCount(0);
-  await expect.poll(names, { timeout: 120_000 }).toEqual(["garden 1"]);
+  await expect.poll(names).toEqual(["garden 1"]);
   // The first one moves already: only its computation ends.
   await page.locator("#progress").getByRole("button", { name: /^Cancel: garden 1/i }).click();
-  await expect.poll(states, { timeout: 120_000 }).toEqual(["cancelled"]);
+  await expect.poll(states).toEqual(["cancelled"]);
 });
 
 /** The branched tree, and a copy of it 9 m away. */

@@ -17,6 +17,8 @@ import psutil
 import pytest
 from galewood_server.app import builtin_trees
 from galewood_server.context import Service
+from galewood_server.http import ProblemError
+from galewood_server.jobs import find_job, queue
 from galewood_server.jobs.leases import (
     claim,
     claimable_kinds,
@@ -28,8 +30,9 @@ from galewood_server.jobs.leases import (
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 from galewood_server.storage.database import migrate, open_database
-from galewood_server.storage.models import Job, Tree
-from sqlalchemy import select
+from galewood_server.storage.models import Job, JobKind, JobState, Tree
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
 
 from tests.server.jobs.test_jobs import begin, state
 from tests.server.support.fake_job import STEPS
@@ -42,6 +45,30 @@ from tests.server.support.server_process import (
     shared_services,
     wait_until,
 )
+
+
+@pytest.mark.parametrize("state", ["queued", "running", "cancelled"])
+def test_a_cancel_of_a_job_whose_tree_is_deleted_meanwhile_says_that_it_is_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, state: JobState
+) -> None:
+    url = f"sqlite:///{tmp_path / 'jobs.sqlite'}"
+    migrate(url)
+    sessions = open_database(url)
+    with sessions.begin() as session:
+        jobs = [Job(id="job", state=state)]
+        session.add(Tree(id="t", name="t", filename="t.obj", source_sha256="0" * 64, jobs=jobs))
+
+    def find_and_delete(session: Session, job_id: str, *kinds: JobKind) -> Job:
+        monkeypatch.undo()
+        job = find_job(session, job_id, *kinds)
+        with sessions.begin() as other:
+            other.execute(delete(Tree))
+        return job
+
+    monkeypatch.setattr(queue, "find_job", find_and_delete)
+    with sessions.begin() as session, pytest.raises(ProblemError) as caught:
+        queue.request_cancel(session, "job")
+    assert caught.value.problem.status == 404
 
 
 def test_builds_with_a_table_come_after_all_others(tmp_path: Path) -> None:

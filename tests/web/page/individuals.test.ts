@@ -132,6 +132,7 @@ describe("for the stems of an inventory", () => {
     hear(ready(idOf(oak(10))));
     hear(building(idOf(oak(14))));
     tools.cancel();
+    hear(building(idOf(oak(14)))); // the request is on its way
     expect(page.cancelled).toEqual([`job-${idOf(oak(14))}`]);
     hear(change(idOf(oak(18)), "building", { state: "queued" }));
     expect(page.cancelled).toEqual([14, 18].map((height_m) => `job-${idOf(oak(height_m))}`));

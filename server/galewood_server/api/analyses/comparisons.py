@@ -86,9 +86,7 @@ def get_comparison(comparison_id: str, service: ServiceDep) -> ComparisonOut:
 def cancel_comparison(comparison_id: str, service: ServiceDep) -> ComparisonOut:
     """Cancel a comparison."""
     with service.sessions.begin() as session:
-        job = find_job(session, comparison_id, "comparison")
-        request_cancel(session, job)
-        out = serialisable(comparison_out(job))
+        out = serialisable(comparison_out(request_cancel(session, comparison_id, "comparison")))
     service.wake_supervisor()
     return out
 

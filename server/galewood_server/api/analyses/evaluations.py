@@ -160,9 +160,7 @@ def get_evaluation(evaluation_id: str, service: ServiceDep) -> EvaluationOut:
 def cancel_evaluation(evaluation_id: str, service: ServiceDep) -> EvaluationOut:
     """Cancel an evaluation."""
     with service.sessions.begin() as session:
-        job = find_job(session, evaluation_id, "evaluation")
-        request_cancel(session, job)
-        out = serialisable(evaluation_out(job))
+        out = serialisable(evaluation_out(request_cancel(session, evaluation_id, "evaluation")))
     service.wake_supervisor()
     return out
 

@@ -68,6 +68,8 @@ export class Growth {
   private readonly ending = new Set<string>();
   /** Trees that were removed while no batch had asked for them; the answer to a request may arrive after that. */
   private readonly removed = new Set<string>();
+  /** Jobs whose end was asked for. */
+  private readonly cancelled = new Set<string>();
   /** Trees that a request of this page cancels or removes; it may take effect after they have been asked for again. */
   private readonly ended = new Set<string>();
 
@@ -214,6 +216,8 @@ export class Growth {
     const change = this.heard.get(id);
     if (change && isActive(change.job)) {
       this.ended.add(id);
+      if (this.cancelled.has(change.job.id)) return;
+      this.cancelled.add(change.job.id);
       void this.quietly(cancelJob(change.job.id));
     } else if (change) {
       this.ending.delete(id);
