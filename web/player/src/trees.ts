@@ -4,7 +4,7 @@
  */
 export { LEVEL_SHARES } from "./core/constants";
 export { groundUnder, type Ray } from "./core/math/groundRay";
-export { type BendNodes, bendNodes } from "./core/table/cardLevel";
+export { bendNodes } from "./core/table/cardLevel";
 export {
   CLOSE_FLOATS,
   type CloseLeaves,

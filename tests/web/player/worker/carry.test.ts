@@ -157,7 +157,7 @@ describe("nodes of the levels of detail", () => {
     expect(motion.levels).toHaveLength(NODE_LEVEL_COUNT);
     for (const level of motion.levels) {
       expect(level.of.length).toBe(motion.nodes);
-      expect(Math.max(...level.of)).toBe(level.nodes - 1);
+      expect(Math.max(...level.of, ...level.bend)).toBe(level.nodes - 1);
       expect(level.coordinates.length).toBe(Math.min(motion.modes, 4 * level.quads - 1));
       expect(level.basis.length).toBe(level.nodes * 12 * level.quads);
     }

@@ -1,6 +1,5 @@
 /** Impostors of simulated trees, as the scene supplies them: what they need to know of the trees and their motion. */
 import type { Texture } from "three";
-import type { BendNodes } from "../core/table/cardLevel";
 import type { DrawnMotion } from "../core/table/drawnTable";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";
@@ -33,10 +32,9 @@ export function fillCards(
   instances: Float32Array,
   texels: readonly LevelTexels[],
   levels: DrawnMotion["levels"],
-  nodes: BendNodes,
 ): number {
   let count = 0;
-  for (const [level, { of }] of levels.entries()) {
+  for (const [level, { bend: nodes }] of levels.entries()) {
     const { first, trees, nodes: perTree } = texels[level];
     const fitting = Math.min(trees, list.visible[level] + list.hidden[level]);
     for (let k = 0; k < fitting; k++) {
@@ -47,8 +45,8 @@ export function fillCards(
       for (let i = 0; i < INSTANCE_FLOATS; i++) data[to + i] = instances[from + i];
       data[to + 3] = list.card[tree];
       data[to + 7] = (tree * 0.618034) % 1;
-      bend[4 * count] = first + k * perTree + of[nodes.middle];
-      bend[4 * count + 1] = first + k * perTree + of[nodes.tip];
+      bend[4 * count] = first + k * perTree + nodes[0];
+      bend[4 * count + 1] = first + k * perTree + nodes[1];
       count++;
     }
   }

@@ -2,7 +2,7 @@
 
 import type { TableMotion } from "galewood/client";
 import type { DrawList, LevelTexels, TreeModel } from "galewood/trees";
-import { type BendNodes, bendNodes, type FarCards, fillCards } from "galewood/trees";
+import { bendNodes, type FarCards, fillCards } from "galewood/trees";
 import type { Object3D, Texture } from "three";
 import type { Atlas } from "./baking/atlas";
 import { Cards } from "./cards";
@@ -20,7 +20,8 @@ const ARRIVAL_FADE = { from_m: 420, time_ms: 1500 };
 export class SimulatedCards implements FarCards {
   private cards: Cards | null = null;
   private since_ms = 0;
-  private readonly bend: BendNodes;
+  /** Height of the middle node by which cards bend, relative to the tip. */
+  private readonly middleAt: number;
 
   constructor(
     private readonly library: AtlasSource,
@@ -28,7 +29,7 @@ export class SimulatedCards implements FarCards {
     private readonly group: Object3D,
     private readonly motion: Pick<TableMotion, "rest_m" | "height_m" | "levels">,
   ) {
-    this.bend = bendNodes(motion);
+    this.middleAt = bendNodes(motion).middleAt;
   }
 
   get from_m(): number {
@@ -46,7 +47,7 @@ export class SimulatedCards implements FarCards {
 
   private take(atlas: Atlas): void {
     this.drop();
-    this.cards = new Cards(atlas, this.bend.middleAt);
+    this.cards = new Cards(atlas, this.middleAt);
     this.cards.addTo(this.group);
     this.since_ms = performance.now();
   }
@@ -66,7 +67,7 @@ export class SimulatedCards implements FarCards {
     if (!this.cards) return;
     const { seen, uniforms } = this.cards;
     seen.reserve(list.drawn);
-    const count = fillCards(seen, list, instances, texels, this.motion.levels, this.bend);
+    const count = fillCards(seen, list, instances, texels, this.motion.levels);
     uniforms.uNodes.value = nodes;
     uniforms.uNodeShift.value = shift;
     seen.show(count);

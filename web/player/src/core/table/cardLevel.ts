@@ -1,11 +1,10 @@
-/** The nodes of trees that are drawn as cards only: those by which a card bends, and those below them. Pure. */
+/** The nodes of the trunk by which an impostor bends: halfway up and at the top. Pure. */
 import type { DrawnMotion, NodeLevel } from "./drawnTable";
 
-/** Two nodes of the trunk by which a whole tree bends. */
+/** Two nodes of a table by which a whole tree bends, and the height of the middle one relative to the tip. */
 export interface BendNodes {
   readonly middle: number;
   readonly tip: number;
-  /** Height of the middle one relative to the tip. */
   readonly middleAt: number;
 }
 
@@ -23,26 +22,21 @@ export function bendNodes({ rest_m, height_m }: Pick<DrawnMotion, "rest_m" | "he
   return { middle, tip, middleAt: Math.min(0.8, Math.max(0.2, at)) };
 }
 
-/**
- * The nodes of a level by which a card bends, and all nodes between them and the ground, so that links are shortened as in
- * the whole level, and a tree that becomes a card moves on as it did. The first of them stands for the table's other nodes.
- */
-export function cardLevel(
-  { of, basis, turn, rest_m, parent, ...same }: NodeLevel,
-  { middle, tip }: BendNodes,
-): NodeLevel {
-  const chain = (node: number): number[] => (parent[node] === node ? [node] : [...chain(parent[node]), node]);
-  const kept = [...new Set([...chain(of[middle]), ...chain(of[tip])])];
-  const place = (node: number) => Math.max(0, kept.indexOf(node));
-  const pick = (rows: Float32Array, size: number) =>
-    Float32Array.from(kept.flatMap((node) => [...rows.subarray(node * size, (node + 1) * size)]));
+/** Nodes that a level has at its end for impostors: not merged with others, because such means move less than the tip, nor linked. */
+export const BEND_NODE_COUNT = 2;
+
+/** The nodes for impostors of a level alone: all that a tree needs of which nothing else is drawn. */
+export function cardLevel({ nodes, quads, coordinates, of, basis, turn, rest_m }: NodeLevel): NodeLevel {
+  const first = nodes - BEND_NODE_COUNT;
   return {
-    ...same,
-    nodes: kept.length,
-    of: of.map(place),
-    basis: pick(basis, 12 * same.quads),
-    turn: pick(turn, 12 * same.quads),
-    rest_m: pick(rest_m, 3),
-    parent: Uint16Array.from(kept, (node) => place(parent[node])),
+    nodes: BEND_NODE_COUNT,
+    quads,
+    coordinates,
+    of: of.map(() => 0),
+    basis: basis.slice(12 * quads * first),
+    turn: turn.slice(12 * quads * first),
+    rest_m: rest_m.slice(3 * first),
+    parent: Uint16Array.of(0, 1),
+    bend: [0, 1],
   };
 }

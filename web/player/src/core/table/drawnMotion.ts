@@ -25,9 +25,10 @@ export function drawnMotion(table: Table): DrawnMotion {
   const nodes = table.nodeRest.length / 3;
   const of = Uint16Array.from({ length: nodes }, (_, node) => node);
   const coordinates = Uint16Array.from({ length: modes }, (_, k) => k);
-  const full = { nodes, quads: stride / 4, coordinates, of, basis, turn, rest_m, parent };
-  const meshLevels = [full, ...coarserNodes(table)];
-  const cards = cardLevel(meshLevels[meshLevels.length - 1], bendNodes({ rest_m, height_m }));
+  const { middle, tip } = bendNodes({ rest_m, height_m });
+  const bend = [middle, tip] as const;
+  const full = { nodes, quads: stride / 4, coordinates, of, basis, turn, rest_m, parent, bend };
+  const coarser = coarserNodes(table, bend);
   return {
     modes,
     stride,
@@ -40,7 +41,7 @@ export function drawnMotion(table: Table): DrawnMotion {
     jointShare: Float32Array.from(table.jointShare),
     jointRest_m: Float32Array.from(table.jointRest),
     vertexJoint: Uint16Array.from(table.vertexJoint),
-    levels: [...meshLevels, cards],
+    levels: [full, ...coarser, cardLevel(coarser[coarser.length - 1])],
     reach_m,
     height_m,
   };

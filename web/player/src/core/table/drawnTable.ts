@@ -16,6 +16,8 @@ export interface NodeLevel {
   /** [nodes, 3] rest position, and [nodes] node before it on its branch; its own index: none. */
   readonly rest_m: Float32Array<ArrayBuffer>;
   readonly parent: Uint16Array<ArrayBuffer>;
+  /** Its nodes by which an impostor bends, halfway up the trunk and at the tip. */
+  readonly bend: readonly [middle: number, tip: number];
 }
 
 /** The part of a table by which trees are drawn, unpacked by the worker. */

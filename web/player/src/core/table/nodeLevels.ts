@@ -1,10 +1,11 @@
 /** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
 import { TURN_ARM } from "../constants";
+import { BEND_NODE_COUNT } from "./cardLevel";
 import type { NodeLevel } from "./drawnTable";
 import { leadingCoordinates } from "./leadingCoordinates";
 import type { Table } from "./table";
 
-/** Number of nodes, and of texels of four modes (the last holds the wind), for each level after the full one. */
+/** Number of nodes without those for impostors, and of texels of four modes (the last holds the wind), for each level after the full one. */
 const COARSER_LEVELS = [
   { nodes: 256, quads: 6 },
   { nodes: 112, quads: 4 },
@@ -70,57 +71,68 @@ function sharesOf({ vertexNode }: Table, group: Uint16Array, groups: number): Fl
   return vertices.map((count, node) => count / weight[group[node]]);
 }
 
+/** A node of a table, the node of a level in which it is merged with others, and its share in that. */
+interface Member {
+  readonly node: number;
+  readonly group: number;
+  readonly share: number;
+}
+
 /** Means of rows [nodes, 3, modes] in each group, [groups, 3, stride], of these modes; the rest is zero. */
 function meanRows(
   rows: Float32Array,
   modes: number,
-  group: Uint16Array,
-  share: Float64Array,
-  groups: number,
+  members: readonly Member[],
   kept: Uint16Array,
   stride: number,
 ): Float32Array<ArrayBuffer> {
+  const groups = members.reduce((most, { group }) => Math.max(most, group + 1), 0);
   const mean = new Float32Array(groups * 3 * stride);
-  for (let node = 0; node < group.length; node++) {
+  for (const { node, group, share } of members) {
     for (let axis = 0; axis < 3; axis++) {
       const from = (node * 3 + axis) * modes;
-      const to = (group[node] * 3 + axis) * stride;
-      for (let k = 0; k < kept.length; k++) mean[to + k] += share[node] * rows[from + kept[k]];
+      const to = (group * 3 + axis) * stride;
+      for (let k = 0; k < kept.length; k++) mean[to + k] += share * rows[from + kept[k]];
     }
   }
   return mean;
 }
 
 /** The group before each: that of the node before its first node. */
-function groupParents(parent: Uint16Array, group: Uint16Array, groups: number): Uint16Array<ArrayBuffer> {
+function groupParents(parent: Uint16Array, group: Uint16Array, groups: number): number[] {
   const first = new Int32Array(groups).fill(-1);
   group.forEach((g, node) => {
     if (first[g] < 0) first[g] = node;
   });
-  return Uint16Array.from(first, (node, g) => (node < 0 ? g : group[parent[node]]));
+  return Array.from(first, (node, g) => (node < 0 ? g : group[parent[node]]));
 }
 
 /** The levels of meshes after the full one. */
-export function coarserNodes(table: Table): NodeLevel[] {
+export function coarserNodes(table: Table, bend: NodeLevel["bend"]): NodeLevel[] {
   const { modes: all } = table.metadata;
   const numbers = COARSER_LEVELS.map(({ nodes }) => nodes);
   const grouped = groupRows(weighed(table), 6 * all, numbers);
   return COARSER_LEVELS.map(({ quads: most }, level) => {
     const of = grouped[level].slice();
-    const nodes = of.reduce((a, b) => Math.max(a, b), 0) + 1;
+    const merged = of.reduce((a, b) => Math.max(a, b), 0) + 1;
     const quads = Math.min(most, Math.ceil((all + 1) / 4));
     const coordinates = leadingCoordinates(all, table.modal.step.length / 6, 4 * quads - 1);
-    const share = sharesOf(table, of, nodes);
-    const mean = (rows: Float32Array) => meanRows(rows, all, of, share, nodes, coordinates, 4 * quads);
+    const shares = sharesOf(table, of, merged);
+    const members = [
+      ...Array.from(of, (group, node) => ({ node, group, share: shares[node] })),
+      ...bend.map((node, k) => ({ node, group: merged + k, share: 1 })),
+    ];
+    const mean = (rows: Float32Array) => meanRows(rows, all, members, coordinates, 4 * quads);
     return {
-      nodes,
+      nodes: merged + BEND_NODE_COUNT,
       quads,
       coordinates,
       of,
       basis: mean(table.nodeBasis),
       turn: mean(table.nodeTurn),
-      rest_m: meanRows(table.nodeRest, 1, of, share, nodes, Uint16Array.of(0), 1),
-      parent: groupParents(table.nodeParent, of, nodes),
+      rest_m: meanRows(table.nodeRest, 1, members, Uint16Array.of(0), 1),
+      parent: Uint16Array.from([...groupParents(table.nodeParent, of, merged), merged, merged + 1]),
+      bend: [merged, merged + 1],
     };
   });
 }
