@@ -109,7 +109,7 @@ const MORE_UNDER_CLOUDS = 0.42;
  * the light `least`, below which it is complete.
  */
 export function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, least: number): number {
-  const level = Math.max(0.22, Math.sin(Math.max(0, elevation_deg) * RAD_PER_DEG));
+  const level = Math.max(0.1, Math.sin(Math.max(0, elevation_deg) * RAD_PER_DEG));
   const light = 0.55 * brightness(sun) * level + brightness(sky);
   return Math.max(least, 1.2 * light * (2.1 / light) ** 0.66) / light;
 }
