@@ -2,6 +2,7 @@ import type { Page } from "@playwright/test";
 import { elapse, expect, forest, frames, open, sway_m, test } from "../forest";
 
 test.use({ deviceScaleFactor: 0.3, drawn: "sometimes", viewport: { width: 480, height: 300 } });
+
 const STILL = "panel=0&quality=low&trees=2&flutter=0&background=0&speed=0&gust=0";
 
 interface Tree {
