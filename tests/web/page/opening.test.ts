@@ -1,4 +1,4 @@
-/** When the controls of the page are made and shown. */
+/** When the controls of the page are shown, and the others loaded. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { openControls } from "../../../web/src/page/controls/opening";
 import { DEFAULTS } from "../../../web/src/page/settings/settings";
@@ -20,7 +20,7 @@ afterEach(() => {
 
 const started = () => {
   const store = new Store(DEFAULTS, DEFAULTS, "");
-  openControls(store, () => told.push("made"));
+  openControls(store, () => told.push("loading"));
   return store.state;
 };
 
@@ -31,7 +31,7 @@ test("the controls open once, after the first trees have moved", () => {
   state.treesSeen = true;
   expect(told).toEqual([]);
   vi.advanceTimersByTime(200);
-  expect(told).toEqual(["made", "without opening"]);
+  expect(told).toEqual(["without opening", "loading"]);
   vi.advanceTimersByTime(10_000);
   expect(told).toHaveLength(2);
 });
@@ -39,7 +39,7 @@ test("the controls open once, after the first trees have moved", () => {
 test("they do not wait long for trees, and open once if these come later", () => {
   const state = started();
   vi.advanceTimersByTime(2000);
-  expect(told).toEqual(["made", "without opening"]);
+  expect(told).toEqual(["without opening", "loading"]);
   state.treesSeen = true;
   vi.advanceTimersByTime(10_000);
   expect(told).toHaveLength(2);

@@ -5,7 +5,6 @@ import { Capture } from "./camera/capture";
 import { Views } from "./camera/views";
 import { Comparison } from "./compare/comparison";
 import { openControls } from "./controls/opening";
-import { Panel } from "./controls/panel";
 import { connectPause } from "./controls/pause";
 import { SceneryBar } from "./controls/scenery";
 import { StatusReport } from "./controls/statusReport";
@@ -34,6 +33,7 @@ import { WindRisk } from "./risk/windRisk";
 import { useKeys } from "./server/api";
 import { followAttention } from "./server/attention";
 import { Catalogue } from "./server/catalogue";
+import { loadPart, withServer } from "./server/connected";
 import { rememberSettings } from "./settings/storedSettings";
 import { showEmbedBar } from "./sharing/embedBar";
 import { Sharing } from "./sharing/sharing";
@@ -159,7 +159,10 @@ export function openPage(
   catalogue.onChange(() => loop.report());
   loop.start();
   openControls(store, () => {
-    parts.push(new Panel(store, catalogue, paper, growth, meter.statistics));
+    void withServer("The settings are missing.", async () => {
+      const { Panel } = await loadPart(() => import("./controls/panel"));
+      parts.push(new Panel(store, catalogue, paper, growth, meter.statistics));
+    });
   });
   const figures = new ForestFigures(world, catalogue, paper, meter);
   return { store, world, loop, figures, studio, sharing, picker, puller, overlays, sound };

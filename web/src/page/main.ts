@@ -58,10 +58,7 @@ function openedSettings(software: boolean): { settings: Settings; defaults: Sett
   return { settings, defaults };
 }
 
-/**
- * Making the scene occupies the page, so the first tree is asked for before the scene is made, and is being read before the land gets its
- * shape, unless the server takes longer.
- */
+/** Making the scene occupies the page, so the first tree is being read by its worker before that begins, unless the server takes longer. */
 const SERVER_PATIENCE_MS = 400;
 
 /** The first tree loads while the scene is made; which settings the graphics suggest is known after the start. */
@@ -80,7 +77,7 @@ async function start(): Promise<void> {
   if (!graphics.software) trees.catalogue.order.loadAll();
   document.body.classList.toggle("graphics-card", !graphics.software);
   const { order } = trees.catalogue;
-  await Promise.all([painted(), Promise.race([order.firstLoads, wait(SERVER_PATIENCE_MS)])]);
+  await Promise.all([painted(), Promise.race([order.firstArrives, wait(SERVER_PATIENCE_MS)])]);
   const suited = openedSettings(graphics.software);
   store.suit(suited.settings, suited.defaults);
   if (isAntialiased(store.settings.quality)) renewCanvas(view);
@@ -90,7 +87,6 @@ async function start(): Promise<void> {
   checkTrees();
   connectSheets(settings.panel);
   const world = new World(store, trees.client);
-  await Promise.race([order.firstArrives, wait(SERVER_PATIENCE_MS)]);
   world.stage.shapeLand();
   const page = openPage(store, world, trees.catalogue, uploads, files);
   exposeProbe(page);

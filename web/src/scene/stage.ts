@@ -14,7 +14,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { AmbientOcclusion } from "./ambientOcclusion";
+import type { AmbientOcclusion } from "./ambientOcclusion";
 import { Backdrop } from "./background/backdrop";
 import type { Planted } from "./background/farWood";
 import { EDGE_VIEW } from "./camera/viewpoints";
@@ -88,7 +88,6 @@ export class Stage {
   /** Whether the next pictures have all pixels of the screen at any quality, for a photo. */
   sharp = false;
   private drawnSharpness = 1;
-  /** At high quality only. */
   private occlusion: AmbientOcclusion | null = null;
   /** Number of pictures that show the present shadows; infinite if these are outdated. */
   private shadowAge = Number.POSITIVE_INFINITY;
@@ -109,7 +108,6 @@ export class Stage {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.info.autoReset = false;
-    this.occlude(quality);
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
     this.lighting = new Lighting(this.sky, this.daylight);
@@ -133,6 +131,22 @@ export class Stage {
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(canvas);
     this.resize();
+  }
+
+  /**
+   * Has the driver compile the shaders of the first picture, in which `standIns` stand for trees. Drivers finish that only when a shader is
+   * first drawn with, so one pixel is drawn.
+   */
+  warmUp(standIns: Object3D): void {
+    const { renderer, scene, camera } = this;
+    renderer.compile(scene, camera);
+    renderer.compile(standIns, camera, scene);
+    scene.add(standIns);
+    renderer.setScissor(0, 0, 1, 1);
+    renderer.setScissorTest(true);
+    renderer.render(scene, camera);
+    renderer.setScissorTest(false);
+    scene.remove(standIns);
   }
 
   /** Computes the shape of the land and the noise of sky and ground, which takes a while. Call before the first picture. */
@@ -173,9 +187,10 @@ export class Stage {
     return SHARPNESS[this.quality] * (isFirst ? FIRST_SHARPNESS[this.quality] : 1);
   }
 
-  private occlude(quality: Quality): void {
+  /** Draws with ambient occlusion, or without. */
+  occlude(occlusion: typeof AmbientOcclusion | null): void {
     this.occlusion?.dispose();
-    this.occlusion = quality === "high" ? new AmbientOcclusion(this.renderer, this.scene, this.camera) : null;
+    this.occlusion = occlusion && new occlusion(this.renderer, this.scene, this.camera);
   }
 
   /** Sets sky, light and ground for a season and time of day. */
@@ -254,7 +269,6 @@ export class Stage {
     this.snow.setQuality(quality);
     this.daylight.setQuality(quality);
     this.backdrop.setQuality(quality);
-    this.occlude(quality);
     this.resize();
   }
 

@@ -7,8 +7,8 @@ const AFTER_TREES_MS = 100;
 /** Controls do not wait longer for trees. */
 const PATIENCE_MS = 1500;
 
-/** Shows the controls soon after the first trees, `make` having made what is in them. */
-export function openControls({ state }: Store, make: () => void): void {
+/** Shows the controls soon after the first trees; `load` begins to load those that the page does without until then. */
+export function openControls({ state }: Store, load: () => void): void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const openIn = (time_ms: number) => {
     clearTimeout(timer);
@@ -22,8 +22,8 @@ export function openControls({ state }: Store, make: () => void): void {
   );
   function open(): void {
     stop();
-    make();
     showControls();
+    load();
   }
   openIn(PATIENCE_MS);
 }

@@ -11,10 +11,12 @@ import { viewerAt } from "../../scene/camera/sight";
 import { exaggeration } from "../../scene/exaggeration";
 import { Forest, type PickedTree, type PlacedSpecies } from "../../scene/forest";
 import { groundHeight_m } from "../../scene/ground/landscape";
+import type { Quality } from "../../scene/quality";
 import { Stage } from "../../scene/stage";
 import { StandIns } from "../../scene/treeSurface/standIns";
 import { showExaggeration } from "../controls/exaggerated";
 import { showPulls } from "../pulling/showPulls";
+import { loadPart, withServer } from "../server/connected";
 import { watch } from "../store/signals";
 import type { Store } from "../store/store";
 import { element } from "../ui/dom";
@@ -72,8 +74,7 @@ export class World {
     this.follow();
     this.standIns = new StandIns(this.forest.options);
     // The driver compiles while the trees load.
-    stage.renderer.compile(stage.scene, stage.camera);
-    stage.renderer.compile(this.standIns.group, stage.camera, stage.scene);
+    stage.warmUp(this.standIns.group);
   }
 
   /** Draws what the settings say from now on. */
@@ -88,6 +89,7 @@ export class World {
     effect(() => {
       this.flutter.value.y = settings.flutter ? 1 : 0;
     });
+    effect(() => void this.occlude(settings.quality));
     watch(
       () => [settings.quality],
       ([quality]) => {
@@ -95,6 +97,16 @@ export class World {
         forest.options = speciesOptions(quality, stage, this.flutter);
       },
     );
+  }
+
+  /** Ambient occlusion is loaded when it is first wanted, which is at high quality. */
+  private async occlude(quality: Quality): Promise<void> {
+    this.stage.occlude(null);
+    if (quality !== "high") return;
+    await withServer("Contact shadows are missing.", async () => {
+      const { AmbientOcclusion } = await loadPart(() => import("../../scene/ambientOcclusion"));
+      if (this.store.settings.quality === quality) this.stage.occlude(AmbientOcclusion);
+    });
   }
 
   /** Shows season and time of day in light, land and leaves. */

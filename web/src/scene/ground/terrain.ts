@@ -60,11 +60,16 @@ export function ringIndex(rings: number, sectors: number): Uint32Array {
 }
 
 export class Terrain {
-  /** Empty until it is given its shape. */
+  /** A point until it is given its shape. */
   readonly mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
 
   constructor(pictures: Pictures) {
-    this.mesh = new Mesh(new BufferGeometry(), groundMaterial(pictures));
+    // three.js chooses the code of the shader by the attributes.
+    const unshaped = new BufferGeometry();
+    for (const name of ["position", "normal"]) {
+      unshaped.setAttribute(name, new BufferAttribute(new Float32Array(3), 3));
+    }
+    this.mesh = new Mesh(unshaped, groundMaterial(pictures));
     this.mesh.receiveShadow = true;
     // Drawn after the trees, which hide most of it.
     this.mesh.renderOrder = 5;
@@ -72,6 +77,7 @@ export class Terrain {
   }
 
   shape(): void {
+    this.mesh.geometry.dispose();
     this.mesh.geometry = discGeometry();
   }
 

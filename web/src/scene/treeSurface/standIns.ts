@@ -1,13 +1,17 @@
-/** Stand-ins for the first tree, so that the driver compiles its shaders while its mesh is still loading. */
+/** Stand-ins for the first tree, with which the driver compiles its shaders while its mesh is still loading. */
 import type { Part, SpeciesOptions, SpeciesUniforms } from "galewood/trees";
 import {
   BufferAttribute,
   BufferGeometry,
   DataTexture,
+  FloatType,
   Group,
   type Material,
   Mesh,
   MeshStandardMaterial,
+  RGBAFormat,
+  RGBAIntegerFormat,
+  UnsignedIntType,
 } from "three";
 
 /** A material as the files of the built-in trees have it: what determines the code of its shader, not what it shows. */
@@ -32,14 +36,28 @@ function attributed(): BufferGeometry {
   return geometry;
 }
 
-/** A mesh of wood and one of leaves, to be compiled, not to be drawn. Their shaders are kept until they are disposed of. */
+/** Textures of one texel in place of the data of trees: without them, drivers refuse to draw. */
+function emptyData() {
+  const nodes = new DataTexture(new Uint32Array(4), 1, 1, RGBAIntegerFormat, UnsignedIntType);
+  nodes.internalFormat = "RGBA32UI";
+  nodes.needsUpdate = true;
+  return { nodes, numbers: new DataTexture(new Float32Array(4), 1, 1, RGBAFormat, FloatType) };
+}
+
+/** A mesh of wood and one of leaves, one point each. Their shaders are kept until they are disposed of. */
 export class StandIns {
   readonly group = new Group();
   private readonly materials: Material[] = [];
+  private readonly data = emptyData();
 
   constructor({ materials, together }: SpeciesOptions) {
-    // Values of uniforms do not matter, only which there are.
-    const uniforms = { ...(together && { together: { seen: {}, casting: {} } }) } as SpeciesUniforms;
+    // Other values do not matter, only which there are.
+    const { nodes, numbers } = this.data;
+    const uniforms = {
+      uNodes: { value: nodes },
+      uPullField: { value: numbers },
+      ...(together && { together: { seen: { uTrees: { value: numbers } }, casting: {} } }),
+    } as unknown as SpeciesUniforms;
     const geometry = attributed();
     for (const part of ["wood", "leaves"] as const) {
       const { colour } = materials(asInFile(part), part, uniforms, true);
@@ -53,5 +71,6 @@ export class StandIns {
 
   dispose(): void {
     for (const material of this.materials.splice(0)) material.dispose();
+    for (const texture of Object.values(this.data)) texture.dispose();
   }
 }
