@@ -21,7 +21,9 @@ export {
   createInstanceData,
   INSTANCE_FLOATS,
   type InstanceData,
+  isSpacious,
   type Placement,
+  roomFor,
   setTints,
   type Tint,
 } from "./trees/instanceData";

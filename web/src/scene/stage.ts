@@ -107,6 +107,7 @@ export class Stage {
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false; // see render()
     this.renderer.info.autoReset = false;
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
@@ -320,6 +321,7 @@ export class Stage {
   render(dt_s: number): void {
     if (this.sharpness !== this.drawnSharpness) this.resize(); // here, because it clears the canvas
     this.renderer.shadowMap.autoUpdate = this.isWhole && this.castsAnew();
+    if (this.renderer.shadowMap.autoUpdate) this.daylight.makeShadowMap();
     if (this.isWhole) this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     if (this.occlusion) this.occlusion.render();

@@ -9,6 +9,13 @@ const ROOM_STEP = 256;
 /** Room for `count` trees and some more, so that buffers seldom grow while the camera moves. */
 export const roomFor = (count: number): number => Math.ceil((1.2 * count) / ROOM_STEP) * ROOM_STEP;
 
+/** Room of which less than this share is used is given back: most trees far away become impostors. */
+export const LEAST_USE = 0.25;
+
+/** Whether room is too large for what is in it. */
+export const isSpacious = (room: number, count: number): boolean =>
+  roomFor(Math.max(1, count)) < LEAST_USE * room;
+
 /** Copies a tree to the float `to` of another array, with its first texel in the target of pass 1 and the share of its pieces that is drawn. */
 export function copyTree(
   from: Float32Array,

@@ -1,4 +1,5 @@
 /** Instanced cards of one species: one draw call for the colour pass, one for the shadow maps. */
+import { isSpacious, roomFor } from "galewood/trees";
 import {
   BufferAttribute,
   DynamicDrawUsage,
@@ -19,7 +20,6 @@ export const CARD_FLOATS = 12;
 export const BEND_FLOATS = 4;
 /** Rows of the card, so that it can bend. */
 const CARD_ROWS = 5;
-const ROOM_STEP = 256;
 
 function grid(): { corners: Float32Array; index: number[] } {
   const corners = new Float32Array((CARD_ROWS + 1) * 2 * 3);
@@ -53,8 +53,8 @@ export class CardList {
 
   /** Makes room for this many cards; fill `data` and `bend`, then call `show`. */
   reserve(count: number): void {
-    if (this.room > 0 && count <= this.room) return;
-    this.room = Math.max(ROOM_STEP, Math.ceil((1.2 * count) / ROOM_STEP) * ROOM_STEP);
+    if (this.room > 0 && count <= this.room && !isSpacious(this.room, count)) return;
+    this.room = roomFor(Math.max(1, count));
     this.buffer = new InstancedInterleavedBuffer(new Float32Array(this.room * CARD_FLOATS), CARD_FLOATS);
     this.buffer.setUsage(DynamicDrawUsage);
     this.bends = new InstancedBufferAttribute(new Float32Array(this.room * BEND_FLOATS), BEND_FLOATS);

@@ -1,5 +1,18 @@
 /** Lighting of the scene: the sun with two shadow cascades, ambient sky light and atmosphere. */
-import { type Camera, Group, HemisphereLight, type OrthographicCamera, Vector3 } from "three";
+import {
+  type Camera,
+  DepthFormat,
+  DepthTexture,
+  Group,
+  HemisphereLight,
+  LessEqualCompare,
+  LinearFilter,
+  type OrthographicCamera,
+  RedFormat,
+  UnsignedShortType,
+  Vector3,
+  WebGLRenderTarget,
+} from "three";
 import { SunLight } from "three/addons/lights/SunLight.js";
 import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
@@ -34,6 +47,19 @@ const SKY_GAIN = 1.35;
 const SKY_SHOWN = 1.5;
 /** The same for clouds that cover it. */
 const OVERCAST_SHOWN = 0.8;
+
+/**
+ * A shadow map as three.js makes it, with 3 bytes per texel instead of 8: of the colours, which nothing reads, one channel; of the depth 16 bits,
+ * steps of a centimetre or less, which is far below the bias.
+ */
+function shadowMap(width: number, height: number): WebGLRenderTarget {
+  const depthTexture = new DepthTexture(width, height, UnsignedShortType);
+  depthTexture.format = DepthFormat;
+  depthTexture.compareFunction = LessEqualCompare;
+  depthTexture.minFilter = LinearFilter;
+  depthTexture.magFilter = LinearFilter;
+  return new WebGLRenderTarget(width, height, { format: RedFormat, depthTexture });
+}
 
 export class Daylight {
   readonly group = new Group();
@@ -92,6 +118,13 @@ export class Daylight {
     this.sun.position.copy(this.towardsSun);
   }
 
+  /** To be called before shadows are drawn. */
+  makeShadowMap(): void {
+    const { shadow } = this.sun;
+    const { x, y } = shadow.getFrameExtents();
+    shadow.map ??= shadowMap(x * shadow.mapSize.x, y * shadow.mapSize.y);
+  }
+
   get shadowReach_m(): number {
     return this.sun.shadow.camera.far;
   }
@@ -100,6 +133,7 @@ export class Daylight {
     const { side, reach_m } = SHADOWS[quality];
     const { shadow } = this.sun;
     if (shadow.mapSize.x !== side) {
+      shadow.map?.depthTexture?.dispose();
       shadow.map?.dispose();
       shadow.map = null;
     }

@@ -4,8 +4,13 @@ const TEXTURE_WIDTH = 1024;
 /** log2 of the width of every flat texture, for the shaders. */
 export const FLAT_SHIFT = 10;
 
+export interface FlatTexture {
+  readonly texture: DataTexture;
+  readonly data: Float32Array;
+}
+
 /** A float texture read as a flat array: texel i lies at (i mod 1024, i / 1024). */
-export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTexture; data: Float32Array } {
+export function flatTexture(texels: number, channels: 1 | 4): FlatTexture {
   const height = Math.max(1, Math.ceil(texels / TEXTURE_WIDTH));
   const data = new Float32Array(TEXTURE_WIDTH * height * channels);
   const texture = new DataTexture(
@@ -19,6 +24,16 @@ export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTex
   texture.magFilter = NearestFilter;
   texture.needsUpdate = true;
   return { texture, data };
+}
+
+/**
+ * The same with four channels of half precision on the graphics card, 11 bits: of displacements of a metre these are half a
+ * millimetre.
+ */
+export function halfTexture(texels: number): FlatTexture {
+  const flat = flatTexture(texels, 4);
+  flat.texture.internalFormat = "RGBA16F"; // WebGL 2 converts what is uploaded
+  return flat;
 }
 
 /**

@@ -1,8 +1,8 @@
 /** Poses of the drawn trees of all species, as a texture of which only what was written is uploaded. */
-import { flatTexture, uploadRuns } from "../nodes/flatTexture";
+import { halfTexture, uploadRuns } from "../nodes/flatTexture";
 
 export class PoseTexture {
-  private flat = flatTexture(0, 4);
+  private flat = halfTexture(0);
   private readonly written: (readonly [number, number])[] = [];
 
   get texture() {
@@ -17,7 +17,7 @@ export class PoseTexture {
   /** Replaces the texture by an empty one. */
   makeRoom(texels: number): void {
     this.texture.dispose();
-    this.flat = flatTexture(texels, 4);
+    this.flat = halfTexture(texels);
     this.written.length = 0;
   }
 

@@ -3,7 +3,7 @@ import type { RenderTarget } from "three";
 import type { Easing } from "../../core/motion/easedPoses";
 import type { DrawnMotion, NodeLevel } from "../../core/table/drawnTable";
 import type { DrawList } from "../drawList";
-import { roomFor } from "../instanceData";
+import { isSpacious, roomFor } from "../instanceData";
 import { gatherPoses, PERIODS, type PoseRows } from "../nodes/levelPass";
 import type { NodeRenderer } from "../nodes/nodeGraphics";
 import { type LevelRows, levelRows } from "../nodes/nodeLayout";
@@ -35,9 +35,6 @@ export interface SharedNodes {
   /** Draws the nodes of all species, unless they were drawn since this one last asked, and have not changed since. */
   render(by: SpeciesNodes, renderer: NodeRenderer): void;
 }
-
-/** Room of which less than this share is used is given back: trees far away need few nodes once they are impostors. */
-export const LEAST_USE = 0.25;
 
 export class SpeciesNodes implements TreeNodes {
   readonly levels: readonly NodeLevel[];
@@ -105,7 +102,7 @@ export class SpeciesNodes implements TreeNodes {
       poses += quads * trees;
     });
     const grows = texels > this.texelsWanted || poses > this.posesWanted;
-    if (grows || roomFor(Math.max(1, texels)) < LEAST_USE * this.texelsWanted) {
+    if (grows || isSpacious(this.texelsWanted, texels)) {
       this.texelsWanted = roomFor(texels);
       this.posesWanted = roomFor(poses);
       if (grows) this.all.assign(this);

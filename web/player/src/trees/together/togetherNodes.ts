@@ -12,17 +12,18 @@ import {
   type WebGLRenderTarget,
 } from "three";
 import type { DrawnMotion, NodeLevel } from "../../core/table/drawnTable";
-import { FLAT_SHIFT, flatTexture } from "../nodes/flatTexture";
+import { LEAST_USE } from "../instanceData";
+import { FLAT_SHIFT, flatTexture, halfTexture } from "../nodes/flatTexture";
 import { uintTarget } from "../nodes/glslNodes";
 import { writeLinks } from "../nodes/levelPass";
 import type { NodeRenderer } from "../nodes/nodeGraphics";
 import { nodeLayout } from "../nodes/nodeLayout";
 import { PoseTexture } from "./poseTexture";
-import { LEAST_USE, type SharedNodes, SpeciesNodes } from "./speciesNodes";
+import { type SharedNodes, SpeciesNodes } from "./speciesNodes";
 import { DISPLACE_ALL_GLSL, LEVEL_RECTANGLES_GLSL, SHORTEN_ALL_GLSL } from "./togetherNodeShader";
 
 /** Room of target and poses over what the species need, so that they seldom grow. */
-const ROOM_RATIO = 1.25;
+const ROOM_RATIO = 1.1;
 
 /** Texels of the rows (basis or turns) of a motion. */
 const rowTexels = ({ levels }: DrawnMotion): number =>
@@ -30,10 +31,7 @@ const rowTexels = ({ levels }: DrawnMotion): number =>
 
 /** Values of all levels one after the other, as a texture of four channels. */
 function joined(levels: readonly NodeLevel[], rowsOf: (level: NodeLevel) => Float32Array): DataTexture {
-  const { texture, data } = flatTexture(
-    levels.reduce((sum, level) => sum + rowsOf(level).length / 4, 0),
-    4,
-  );
+  const { texture, data } = halfTexture(levels.reduce((sum, level) => sum + rowsOf(level).length / 4, 0));
   let to = 0;
   for (const level of levels) {
     data.set(rowsOf(level), to);

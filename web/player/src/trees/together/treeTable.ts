@@ -2,7 +2,7 @@
 
 import { LEVEL_COUNT } from "../detail";
 import type { DrawList } from "../drawList";
-import { copyTree, INSTANCE_FLOATS, roomFor } from "../instanceData";
+import { copyTree, INSTANCE_FLOATS, isSpacious, roomFor } from "../instanceData";
 import { flatTexture, uploadRuns } from "../nodes/flatTexture";
 import type { LevelTexels } from "../nodes/treeNodes";
 import type { TreesUniforms } from "../treeShader";
@@ -33,7 +33,7 @@ export class TreeTable {
   fill(list: DrawList, instances: Float32Array, texels: readonly LevelTexels[], taken: Taken): void {
     let trees = 0;
     for (let level = 0; level < LEVEL_COUNT; level++) trees += taken.counts[level];
-    if (trees > this.room) this.makeRoom(trees);
+    if (trees > this.room || isSpacious(this.room, trees)) this.makeRoom(trees);
     let to = 0;
     for (let level = 0; level < LEVEL_COUNT; level++) {
       const { first, nodes } = texels[level];
