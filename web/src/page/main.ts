@@ -20,6 +20,7 @@ import { windFromQuery } from "./settings/windQuery";
 import { Store } from "./store/store";
 import { element } from "./ui/dom";
 import { showToast } from "./ui/toast";
+import { whole } from "./ui/words";
 import { OwnUploads } from "./uploads/ownUploads";
 import { acceptUploads } from "./uploads/upload";
 
@@ -39,10 +40,10 @@ function checkWind(): void {
 function checkTrees(): void {
   const asked = treesBeyond(location.search);
   if (asked === null) return;
-  const most = LIMITS.trees.max.toLocaleString("en");
+  const most = whole(LIMITS.trees.max);
   showToast(
     `This forest has ${most} trees.`,
-    `The link asks for ${asked.toLocaleString("en")}; the page plants at most ${most}.`,
+    `The link asks for ${whole(asked)}; the page plants at most ${most}.`,
   );
 }
 

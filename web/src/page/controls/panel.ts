@@ -15,9 +15,9 @@ import { PLAYBACK_SPEEDS } from "../store/playback";
 import type { Store } from "../store/store";
 import { element, make } from "../ui/dom";
 import { bearingFrom_deg, directionFrom_deg } from "../ui/instruments/beaufort";
+import { whole } from "../ui/words";
 import { labelInputs } from "./accessible";
 
-const whole = (value: number) => Math.round(value).toLocaleString("en");
 const fine = (value: number) => value.toFixed(1);
 const hundredths = (value: number) => value.toFixed(2);
 

@@ -10,6 +10,7 @@ import type { World } from "../forest/world";
 import type { TreePicker } from "../picking/treePicker";
 import { Problem } from "../server/api";
 import type { Catalogue } from "../server/catalogue";
+import { whole } from "../ui/words";
 import {
   type Drawing,
   errorDrawing,
@@ -147,7 +148,7 @@ export class TreeOverlays {
     if (kind === "skeleton")
       this.use(skeletonDrawing(structure, motion), `${structure.points_m.length / 3} points`);
     else if (kind === "tetrahedra")
-      this.use(tetrahedraDrawing(structure, motion), `${structure.tets.toLocaleString("en")} tetrahedra`);
+      this.use(tetrahedraDrawing(structure, motion), `${whole(structure.tets)} tetrahedra`);
     else this.use(modeDrawing(structure, motion, mode), modeWords(motion, mode));
   }
 

@@ -1,5 +1,6 @@
 /** The pieces of an uploaded tree as a list: what each is, why, and a choice to change it. */
 import { make } from "../ui/dom";
+import { whole } from "../ui/words";
 
 /** "other" is left out. */
 export type PieceKind = "wood" | "twigs" | "leaves" | "other";
@@ -73,7 +74,7 @@ export const AS_DETECTED: PieceChoices = { wood_parts: null, leaves: null, drop:
 export function titleOf({ what, name, kind, pieces }: Piece): string {
   const named = what || name || (kind === "other" ? "object" : kind);
   const capital = named.charAt(0).toUpperCase() + named.slice(1);
-  return pieces > 1 ? `${capital} (${pieces.toLocaleString("en")} pieces)` : capital;
+  return pieces > 1 ? `${capital} (${whole(pieces)} pieces)` : capital;
 }
 
 /** The row of each vertex from runs of vertices (row, number, row, number, …). Pure. */
@@ -128,7 +129,7 @@ export class PieceList {
     if (piece.colour) swatch.style.background = piece.colour;
     const unsure = piece.sure || piece.chosen ? "" : "Unsure: please check. ";
     const about = make("span", "", "own-tree-about");
-    const faces = `${piece.faces.toLocaleString("en")} faces; `;
+    const faces = `${whole(piece.faces)} faces; `;
     about.append(make("span", titleOf(piece)), make("small", `${unsure}${faces}${piece.reason}`));
     made.classList.toggle("unsure", unsure !== "");
     made.append(swatch, about, this.kinds(piece, all));

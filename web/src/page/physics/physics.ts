@@ -1,5 +1,6 @@
 /** Physical properties of a tree, taken from its build report, as rows of a card. Pure. */
 import type { ReportedTree, Tree } from "../server/api";
+import { whole } from "../ui/words";
 
 export interface Fact {
   readonly name: string;
@@ -18,7 +19,6 @@ function numberAt(report: unknown, ...path: (string | number)[]): number | null 
   return typeof at === "number" && Number.isFinite(at) ? at : null;
 }
 
-const whole = (value: number) => Math.round(value).toLocaleString("en");
 const percent = (share: number) => `${(100 * share).toFixed(share < 0.0995 ? 1 : 0)} %`;
 
 export function sizeInWords(bytes: number): string {

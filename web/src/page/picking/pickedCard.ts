@@ -10,7 +10,7 @@ import { plantAs, plantedAs } from "../settings/planted";
 import type { Store } from "../store/store";
 import { element, make, makeButton, write } from "../ui/dom";
 import { showToast } from "../ui/toast";
-import { displayName } from "../ui/words";
+import { displayName, whole } from "../ui/words";
 import { PlantedChoice } from "./plantedChoice";
 import type { PickedFigures, TreePicker } from "./treePicker";
 
@@ -38,7 +38,7 @@ export function figuresInWords(
     const beyond = extrapolationRatio > 1 ? " (extrapolated)" : "";
     rows.push(["Extrapolation ratio", `${extrapolationRatio.toFixed(2)}${beyond}`]);
   }
-  if (record !== null) rows.push(["Current record", record.toLocaleString("en")]);
+  if (record !== null) rows.push(["Current record", whole(record)]);
   return rows;
 }
 

@@ -38,18 +38,27 @@ const LOWEST_SUN = 0.15;
 /** Largest sway of the cards, for their bounds, relative to the height. */
 const MAX_SWAY_SHARE = 0.15;
 
+/** A wind field at a time. */
+interface Air {
+  readonly field: WindField;
+  readonly time_s: number;
+}
+
 export class FarTrees {
   private readonly instances: InstanceData;
   private readonly x: Float32Array;
   private readonly z: Float32Array;
-  private readonly pressureX: Float32Array;
-  private readonly pressureZ: Float32Array;
   private readonly factor: Float32Array;
   private readonly bins: Uint8Array;
   private readonly before: Float32Array;
   private readonly ranks: Float32Array;
   private readonly seen: Uint32Array;
   private readonly casting: Uint32Array;
+  /** Trees that are drawn or cast shadows, which alone are moved, and whether each tree is one of them. */
+  private drawn = new Uint32Array(0);
+  private isDrawn: Uint8Array;
+  /** The wind in which they have moved last. */
+  private air: Air | null = null;
   private sway: Sway | null = null;
   private moves: TableMotion | null = null;
   /** What the height factors were computed for. */
@@ -65,13 +74,12 @@ export class FarTrees {
     this.x = Float32Array.from(places, ({ x_m }) => x_m);
     this.z = Float32Array.from(places, ({ z_m }) => z_m);
     this.ranks = Float32Array.from(places, rankOf);
-    this.pressureX = new Float32Array(count);
-    this.pressureZ = new Float32Array(count);
     this.factor = new Float32Array(count);
     this.bins = new Uint8Array(count);
     this.before = new Float32Array(TIP_FLOATS * count);
     this.seen = new Uint32Array(count);
     this.casting = new Uint32Array(count);
+    this.isDrawn = new Uint8Array(count);
   }
 
   get count(): number {
@@ -93,6 +101,7 @@ export class FarTrees {
     const bounds = { height_m, radius_m: reach * across_m, reach_m: MAX_SWAY_SHARE * height_m };
     const seen = this.sortByDistance(bounds, view);
     const casting = this.chooseCasters(bounds, view);
+    this.takeDrawn(this.seen.subarray(0, seen), this.casting.subarray(0, casting));
     this.fill(cards.seen, this.seen, seen, height_m, view);
     this.fill(cards.casting, this.casting, casting, height_m, view);
   }
@@ -145,6 +154,43 @@ export class FarTrees {
     return casters;
   }
 
+  /** Trees that come into view are at rest in the wind, as they have not moved meanwhile. */
+  private takeDrawn(seen: Uint32Array, casting: Uint32Array): void {
+    const isDrawn = new Uint8Array(this.count);
+    const drawn = [...seen, ...casting].filter((tree) => {
+      const first = isDrawn[tree] === 0;
+      isDrawn[tree] = 1;
+      return first;
+    });
+    this.settle(Uint32Array.from(drawn.filter((tree) => this.isDrawn[tree] === 0)));
+    this.drawn = Uint32Array.from(drawn);
+    this.isDrawn = isDrawn;
+  }
+
+  private settle(trees: Uint32Array): void {
+    const { sway, moves, air, before } = this;
+    if (!sway || !moves || !air || trees.length === 0) return;
+    const [x, z] = this.pressures(trees, moves, air);
+    sway.settle(trees, x, z);
+    for (const tree of trees) {
+      const at = TIP_FLOATS * tree;
+      before[at] = sway.tips[at];
+      before[at + 1] = sway.tips[at + 1];
+    }
+  }
+
+  /** Pressure at each of these trees, Pa, along x and z. */
+  private pressures(trees: Uint32Array, { sway }: TableMotion, { field, time_s }: Air) {
+    const [x, z, atX, atZ, factor] = Array.from({ length: 5 }, () => new Float32Array(trees.length));
+    for (let i = 0; i < trees.length; i++) {
+      atX[i] = this.x[trees[i]];
+      atZ[i] = this.z[trees[i]];
+      factor[i] = this.factor[trees[i]];
+    }
+    field.pressure(atX, atZ, field.at(time_s), x, z, sway.streamlined, factor);
+    return [x, z];
+  }
+
   private fill(list: CardList, trees: Uint32Array, count: number, height_m: number, { eye }: View): void {
     list.reserve(count);
     const { data } = list;
@@ -193,17 +239,16 @@ export class FarTrees {
     }
   }
 
-  /** Advances all trees, also hidden ones, in the wind at a time; the cards then move towards their new poses. */
+  /** Advances the trees that are drawn in the wind at a time; the cards then move towards their new poses. */
   advance(dt_s: number, time_s: number, field: WindField, motion: TableMotion, cards: Cards | null): void {
-    const moment = field.at(time_s);
-    const { wind } = moment;
+    const { wind } = field.at(time_s);
+    this.air = { field, time_s };
+    this.setHeights(motion.height_m, wind.height_exponent, wind.reference_height_m);
     if (this.moves !== motion) this.take(motion);
     if (!this.sway) return;
-    this.setHeights(motion.height_m, wind.height_exponent, wind.reference_height_m);
     this.before.set(this.sway.tips);
-    const { x, z, pressureX, pressureZ, factor } = this;
-    field.pressure(x, z, moment, pressureX, pressureZ, motion.sway.streamlined, factor);
-    this.sway.advance(dt_s, pressureX, pressureZ, wind.mean_speed_m_s);
+    const [x, z] = this.pressures(this.drawn, motion, this.air);
+    this.sway.advance(dt_s, this.drawn, x, z, wind.mean_speed_m_s);
     if (!cards) return;
     this.writeBend(cards.seen, this.seen, cards.seen.count);
     cards.seen.moved();
@@ -216,8 +261,9 @@ export class FarTrees {
     const before = this.sway;
     const scales = Float32Array.from(this.places, ({ scale }) => scale);
     this.sway = new Sway(motion.sway, motion.height_m, scales);
-    if (before) this.sway.adopt(before);
     this.moves = motion;
+    if (before) this.sway.adopt(before);
+    else this.settle(this.drawn);
   }
 
   /** Wind speed at the height of each tree relative to the reference height. */

@@ -28,7 +28,7 @@ export function freeStep(
   return [fall * (cos + decay * sin), fall * sin, -fall * omega * omega * sin, fall * (cos - decay * sin)];
 }
 
-/** Static displacement of the tip (m) per Pa, reduced smoothly towards the largest one. */
+/** Factor of a static displacement of the tip that reduces it smoothly towards the largest one. */
 function softened(push_m: number, most_m: number): number {
   return 1 / (1 + Math.abs(push_m) / most_m);
 }
@@ -48,7 +48,6 @@ export class Sway {
   readonly tips: Float32Array;
   private readonly speeds: Float32Array;
   private readonly sizes: Uint16Array;
-  private settled = false;
 
   /** `scales`: size of each tree relative to its species. */
   constructor(
@@ -61,50 +60,61 @@ export class Sway {
     this.sizes = Uint16Array.from(scales, (scale) => Math.max(1, Math.round(SIZES_PER_UNIT * scale)));
   }
 
+  /** Puts trees to rest in the pressure (Pa) at each of them. */
+  settle(trees: ArrayLike<number>, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
+    const { tips, speeds } = this;
+    for (let i = 0; i < trees.length; i++) {
+      const at = TIP_FLOATS * trees[i];
+      const gain = this.gain_m_pa(trees[i], pressureX[i], pressureZ[i]);
+      tips[at] = gain * pressureX[i];
+      tips[at + 1] = gain * pressureZ[i];
+      speeds[at] = speeds[at + 1] = 0;
+    }
+  }
+
   /**
-   * Advances under the pressure (Pa) at each tree, constant over the step; at first the trees are at rest in it.
-   * `meanSpeed_m_s`: mean wind speed, which damps the motion.
+   * Advances trees under the pressure (Pa) at each of them, constant over the step. `meanSpeed_m_s`: mean wind speed, which damps the
+   * motion.
    */
   advance(
     dt_s: number,
+    trees: ArrayLike<number>,
     pressureX: ArrayLike<number>,
     pressureZ: ArrayLike<number>,
     meanSpeed_m_s: number,
   ): void {
     const steps: (ReturnType<typeof freeStep> | undefined)[] = [];
-    const { frequency_hz, tip_m_pa } = this.sway;
+    const { frequency_hz } = this.sway;
     const damping = this.sway.damping + airDamping(this.sway, meanSpeed_m_s);
-    for (let tree = 0; tree < this.scales.length; tree++) {
+    for (let i = 0; i < trees.length; i++) {
+      const tree = trees[i];
       const size = this.sizes[tree];
       // A larger tree of the same shape sways more slowly, in inverse proportion to its size.
       const step = steps[size] ?? freeStep((frequency_hz * SIZES_PER_UNIT) / size, damping, dt_s);
       steps[size] = step;
-      const scale = this.scales[tree];
-      const most_m = MOST_SWAY * this.height_m * scale;
-      // The square root, because Math.hypot takes several times as long.
-      const pressure_pa = Math.sqrt(pressureX[tree] * pressureX[tree] + pressureZ[tree] * pressureZ[tree]);
-      const push_m = tip_m_pa * scale * pressure_pa;
-      const gain = tip_m_pa * scale * softened(push_m, most_m);
-      this.swing(2 * tree, gain * pressureX[tree], step);
-      this.swing(2 * tree + 1, gain * pressureZ[tree], step);
+      const gain = this.gain_m_pa(tree, pressureX[i], pressureZ[i]);
+      this.swing(TIP_FLOATS * tree, gain * pressureX[i], step);
+      this.swing(TIP_FLOATS * tree + 1, gain * pressureZ[i], step);
     }
-    this.settled = true;
+  }
+
+  /** Static displacement of the tip of a tree per pressure (Pa), which falls as that grows. */
+  private gain_m_pa(tree: number, x_pa: number, z_pa: number): number {
+    const per_pa = this.sway.tip_m_pa * this.scales[tree];
+    const most_m = MOST_SWAY * this.height_m * this.scales[tree];
+    // The square root, because Math.hypot takes several times as long.
+    return per_pa * softened(per_pa * Math.sqrt(x_pa * x_pa + z_pa * z_pa), most_m);
   }
 
   /** Goes on from the motion of another one, of the same trees. */
   adopt(before: Sway): void {
     this.tips.set(before.tips);
     this.speeds.set(before.speeds);
-    this.settled = before.settled;
   }
 
   /** Steps one coordinate about its static displacement. */
   private swing(at: number, rest_m: number, [a, b, c, d]: readonly number[]): void {
     const { tips, speeds } = this;
-    if (!this.settled) {
-      tips[at] = rest_m;
-      return;
-    }
     const off = tips[at] - rest_m;
     const speed = speeds[at];
     tips[at] = rest_m + a * off + b * speed;

@@ -1,6 +1,7 @@
 /** The controls of painting: what is painted, how wide, undo and redo, and the end. */
 
 import { make } from "../../ui/dom";
+import { whole } from "../../ui/words";
 import { swatchOf } from "../pieces";
 import { PAINTS, type Paint } from "./paintedKinds";
 
@@ -87,7 +88,7 @@ export class PaintBar {
     this.undo.disabled = !undo;
     this.redo.disabled = !redo;
     this.keep.disabled = changed === 0;
-    const pieces = changed === 1 ? "1 piece" : `${changed.toLocaleString("en")} pieces`;
+    const pieces = changed === 1 ? "1 piece" : `${whole(changed)} pieces`;
     const hint = "Drag over the tree. The right button or two fingers turn it.";
     this.line.textContent = changed > 0 ? `${pieces} changed. ${hint}` : hint;
   }
