@@ -162,8 +162,11 @@ test("the own trees of a private forest are planted once, when the last one is l
   expect(sent).toEqual(["ash", "own-1,own-2"]);
 });
 
-/** Two species, whose models and tables arrive one after the other; returns how many plans there were before and after a wait. */
-function plantingOf(trees: number, waited: boolean, awaitsFirst = false): number[] {
+/**
+ * Two species, whose models and tables arrive one after the other; returns how many plans there were before and after a wait. `moving`
+ * receives the number of moving trees of each.
+ */
+function plantingOf(trees: number, waited: boolean, awaitsFirst = false, moving: number[] = []): number[] {
   const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, "");
   store.settings.trees = trees;
   const model = { height_m: 10, radius_m: 2 };
@@ -173,7 +176,11 @@ function plantingOf(trees: number, waited: boolean, awaitsFirst = false): number
   const order = { awaitsFirst };
   const catalogue = { isLoaded: false, order, assets, leafMotion: () => null, find: () => null, assetChanges };
   let plans = 0;
-  const world = { client: { plan: () => plans++ }, prepare: () => {} };
+  const plan = (groups: { ids: Uint32Array }[]) => {
+    plans++;
+    moving.push(groups.reduce((sum, { ids }) => sum + ids.length, 0));
+  };
+  const world = { client: { plan }, prepare: () => {} };
   new Planting(store, world as never, catalogue as never, { arrivals: signal(0) } as never);
   const arrive = (act: () => void) => {
     act();
@@ -209,7 +216,12 @@ describe("the first trees", () => {
   });
 
   test("of a large forest are planted when they move, and again when all are loaded", () => {
-    expect(plantingOf(20_001, true)).toEqual([0, 2, 3, 3, 4]);
+    const moving: number[] = [];
+    expect(plantingOf(20_001, true, false, moving)).toEqual([0, 2, 3, 3, 4]);
+    // at first those in the centre, of one species
+    expect(moving[2]).toBeGreaterThan(800);
+    expect(moving[2]).toBeLessThan(2000);
+    expect(moving[3]).toBe(20_001);
   });
 });
 

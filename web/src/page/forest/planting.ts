@@ -55,8 +55,12 @@ export interface PlantedStand {
 /** Around a stand from an inventory the invented forest begins this far from its edge. */
 const OPEN_LAND_M = 130;
 
-/** Larger forests are planted when their first species has arrived, and again when all have: each time takes half a second. */
+/**
+ * Of larger forests the trees in the centre are planted when the first species has arrived, and all when all have: planting a hundred thousand
+ * takes half a second.
+ */
 const MOST_REPLANTED = 20_000;
+const CENTRE_TREES = 2000;
 
 /** The first trees are planted together if all arrive within this time of the first one: the forest does not fill up in view. */
 const TOGETHER_MS = 800;
@@ -126,7 +130,8 @@ export class Planting {
     if (!this.planted && !isLoaded && !order.awaitsFirst && this.isPatient()) return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
     const stand = inventory && { stems: inventory.stems, named };
-    const placed = plantForest(this.catalogue.assets, settings, stand, individuals);
+    const trees = large && !isLoaded ? Math.min(CENTRE_TREES, settings.trees) : settings.trees;
+    const placed = plantForest(this.catalogue.assets, { ...settings, trees }, stand, individuals);
     this.planted = placed.some(({ motion }) => motion !== null);
     const { lookup, method, poseEasing } = settings;
     this.world.client.plan(
