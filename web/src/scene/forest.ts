@@ -118,8 +118,8 @@ export function placeForest(
 /** Beside the axis of a view a tree may stand this far, relative to its distance along the axis, to be in the picture, also of an upright phone. */
 const MIDDLE_SHARE = 0.25;
 
-/** Trees around the centre of the forest among which the first one in view is sought: placing all of a large forest takes half a second. */
-const SOUGHT_TREES = 2000;
+/** Trees in the centre of a large forest, which come first: placing a hundred thousand takes half a second. */
+export const CENTRE_TREES = 2000;
 
 /** The tree of which an instance of `placeForest` is nearest in the middle of the picture; null without any. */
 export function firstInView(
@@ -129,7 +129,7 @@ export function firstInView(
   { density = 1, shares = {}, form = "place" }: PlacementOptions,
   { eye, target }: Viewpoint,
 ): TreeAsset | null {
-  const places = placeTrees(Math.min(count, SOUGHT_TREES), seed, density);
+  const places = placeTrees(Math.min(count, CENTRE_TREES), seed, density);
   const [x, z] = [target.x - eye.x, target.z - eye.z];
   const length_m = Math.hypot(x, z) || 1;
   let first: TreeAsset | null = null;

@@ -2,7 +2,13 @@
 
 import type { Stem } from "galewood/inventory";
 import { clearingPlace } from "../../scene/clearing";
-import { type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../../scene/forest";
+import {
+  CENTRE_TREES,
+  type PlacedSpecies,
+  placedSpecies,
+  placeForest,
+  type TreeAsset,
+} from "../../scene/forest";
 import { individualsInstead } from "../../scene/forestIndividuals";
 import type { Individual } from "../../scene/individuals";
 import { woodReach_m } from "../../scene/placement";
@@ -55,12 +61,8 @@ export interface PlantedStand {
 /** Around a stand from an inventory the invented forest begins this far from its edge. */
 const OPEN_LAND_M = 130;
 
-/**
- * Of larger forests the trees in the centre are planted when the first species has arrived, and all when all have: planting a hundred thousand
- * takes half a second.
- */
+/** Of larger forests the trees in the centre are planted when the first species has arrived, and all when all have. */
 const MOST_REPLANTED = 20_000;
-const CENTRE_TREES = 2000;
 
 /** The first trees are planted together if all arrive within this time of the first one: the forest does not fill up in view. */
 const TOGETHER_MS = 800;
