@@ -5,7 +5,7 @@ import { InstancedBufferGeometry, Mesh, MeshLambertMaterial } from "three";
 import { expect, test } from "vitest";
 import { FarTrees } from "../../../web/src/scene/background/farTrees";
 import { groundHeight_m } from "../../../web/src/scene/ground/landscape";
-import { CardList, type Cards } from "../../../web/src/scene/impostors/cards";
+import { CARD_FLOATS, CardList, type Cards } from "../../../web/src/scene/impostors/cards";
 
 const HEIGHT_M = 24;
 
@@ -74,4 +74,16 @@ test("only trees that are seen move; one that comes into view is at rest in the 
   expect(moving.filter(([from, to]) => from !== to)[0][1]).toBe(after);
   step(5);
   expect(tips().filter(([from, to]) => from === to)).toEqual([]);
+});
+
+test("a list of cards grows with room to spare, and gives room back of which little is used", () => {
+  const list = listOf();
+  const floatsFor = (count: number) => {
+    list.reserve(count);
+    return list.data.length;
+  };
+  const many = floatsFor(5000);
+  expect(many).toBeGreaterThan(CARD_FLOATS * 5000);
+  expect(floatsFor(3000)).toBe(many);
+  expect(floatsFor(500)).toBeLessThan(0.25 * many);
 });

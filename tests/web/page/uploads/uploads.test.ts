@@ -166,8 +166,8 @@ test("the own trees of a private forest are planted once, when the last one is l
  * Two species, whose models and tables arrive one after the other; returns how many plans there were before and after a wait. `moving`
  * receives the number of moving trees of each.
  */
-function plantingOf(trees: number, waited: boolean, awaitsFirst = false, moving: number[] = []): number[] {
-  const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, "");
+function plantingOf(trees: number, waited: boolean, awaitsFirst = false, moving: number[] = [], query = ""): number[] {
+  const store = new Store(settingsWith({}), { ...DEFAULTS, trees }, query);
   store.settings.trees = trees;
   const model = { height_m: 10, radius_m: 2 };
   const asset = (id: string) => ({ id, species: id, builtin: true, form: "open", hasTable: true, model: null as object | null, motion: null as object | null });
@@ -222,6 +222,12 @@ describe("the first trees", () => {
     expect(moving[2]).toBeGreaterThan(800);
     expect(moving[2]).toBeLessThan(2000);
     expect(moving[3]).toBe(20_001);
+  });
+
+  test("of a large forest stand everywhere if a link has a view of its own", () => {
+    const moving: number[] = [];
+    plantingOf(20_001, true, false, moving, "?view=400,20,0,380,10,0");
+    expect(moving[2]).toBeGreaterThan(8000);
   });
 });
 

@@ -115,7 +115,7 @@ export class Planting {
    * share the forest.
    */
   private place(replant = false): void {
-    const { settings, state, from_s } = this.store;
+    const { settings, state, opened, from_s } = this.store;
     const { inventory, individuals } = state;
     this.owed ||= replant;
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
@@ -132,7 +132,8 @@ export class Planting {
     if (!this.planted && !isLoaded && !order.awaitsFirst && this.isPatient()) return;
     const named = (species: string) => this.catalogue.uploadNamed(species);
     const stand = inventory && { stems: inventory.stems, named };
-    const trees = large && !isLoaded ? Math.min(CENTRE_TREES, settings.trees) : settings.trees;
+    const fromCentre = large && !isLoaded && opened.eye === null; // a link may look at another place
+    const trees = fromCentre ? Math.min(CENTRE_TREES, settings.trees) : settings.trees;
     const placed = plantForest(this.catalogue.assets, { ...settings, trees }, stand, individuals);
     this.planted = placed.some(({ motion }) => motion !== null);
     const { lookup, method, poseEasing } = settings;
