@@ -12,9 +12,25 @@ function treePixels({ data }: Picture): number {
   return count;
 }
 
+const drawn = (page: Page) => expect.poll(async () => treePixels(await shot(page))).toBeGreaterThan(500);
+
+/** Waits until trees are drawn, and until they stand still; returns the picture. */
+export async function standing(page: Page): Promise<Picture> {
+  await drawn(page);
+  let picture = await shot(page);
+  await expect
+    .poll(async () => {
+      const before = picture;
+      picture = await shot(page);
+      return changedPixels(before, picture, 0);
+    })
+    .toBe(0);
+  return picture;
+}
+
 /** Waits until trees are drawn, and until they have moved. The test must `use` that every frame is `drawn`. */
 export async function swaying(page: Page): Promise<void> {
-  await expect.poll(async () => treePixels(await shot(page))).toBeGreaterThan(500);
+  await drawn(page);
   // Three times, because the first changes may be those of pictures that are still being loaded.
   for (let changes = 0; changes < 3; changes++) {
     const before = await shot(page);

@@ -58,7 +58,7 @@ await write(
   { groups: [{ name: "core", test: /\/src\/(core|worker)\// }] },
 );
 // The custom element uses the other entry points, as a page would.
-const entries = /^\.\/(core|three)$/;
+const entries = /^\.\/(core|three|webgpu)$/;
 await write(
   { element: "element" },
   {

@@ -3,7 +3,7 @@ import type { Page, TestInfo } from "@playwright/test";
 import { PNG } from "pngjs";
 import { WEBGPU_LAUNCH } from "../chromium";
 import { changedPixels, expect, type Picture, test } from "../forest";
-import { swaying } from "../swaying";
+import { standing, swaying } from "../swaying";
 import { EXAMPLES, type Site, site } from "./examples";
 
 test.use({ drawn: "always", launchOptions: WEBGPU_LAUNCH, viewport: { width: 480, height: 320 } });
@@ -21,10 +21,10 @@ async function serving(root: string): Promise<string> {
 
 /**
  * Skips the test where the browser has no adapter of WebGPU, as on machines whose Chromium lacks Vulkan. `origin`: WebGPU is
- * there for secure origins only; its script is shown as text.
+ * there for secure origins only; a `script` of it is shown as text.
  */
-async function needWebgpu(page: Page, origin: string): Promise<void> {
-  await page.goto(`${origin}/features.js`);
+async function needWebgpu(page: Page, origin: string, script = "features.js"): Promise<void> {
+  await page.goto(`${origin}/${script}`);
   const has = await page.evaluate(async () => {
     const { gpu } = navigator as { gpu?: { requestAdapter(): Promise<unknown> } };
     return Boolean(await gpu?.requestAdapter());
@@ -96,4 +96,43 @@ test("the example, with a material of nodes", { tag: "@long" }, async ({ page })
   const base = await serving(EXAMPLES);
   await page.goto(`${base}/webgpu/index.html`);
   await swaying(page);
+});
+
+test("the custom element by WebGPURenderer: the picture of WebGLRenderer, and trees that sway", { tag: "@long" }, async ({ page }, info) => {
+  const base = await serving(EXAMPLES);
+  await needWebgpu(page, base, "plain/scene.js");
+  await page.route(/\/element\/(\?webgpu)?$/, async (route) => {
+    const body = await (await route.fetch()).text();
+    await route.fulfill({ body: body.replace('wind="autumn-gusts"', 'wind="still"'), contentType: "text/html" });
+  });
+  const pictures: Picture[] = [];
+  for (const query of ["", "?webgpu"]) {
+    await page.goto(`${base}/element/${query}`);
+    pictures.push(await standing(page));
+    await info.attach(`element${query}`, { body: await page.screenshot(), contentType: "image/png" });
+  }
+  const drawsBy = (kind: string) => page.locator("canvas").evaluate((one, kind) => (one as HTMLCanvasElement).getContext(kind) !== null, kind);
+  expect(await drawsBy("webgpu")).toBe(true);
+  const [usual, found] = pictures;
+  expect(changedPixels(usual, found, 32)).toBeLessThan(0.01 * usual.width * usual.height);
+  await page.locator("galewood-forest").evaluate((one) => one.setAttribute("wind", "storm-front"));
+  await swaying(page);
+  await page.locator("galewood-forest").evaluate((one) => one.remove());
+  await expect(page.locator("canvas")).toHaveCount(0);
+});
+
+test("an element that is removed while WebGPURenderer is loaded leaves nothing behind", { tag: "@long" }, async ({ page }) => {
+  await page.goto(`${await serving(EXAMPLES)}/element/?webgpu`);
+  const element = page.locator("galewood-forest");
+  await element.evaluate(async (one) => {
+    const parent = one.parentElement as HTMLElement;
+    for (let mount = 0; mount < 5; mount++) {
+      one.remove();
+      parent.append(one);
+      await new Promise((done) => setTimeout(done, 10 * mount));
+    }
+  });
+  await swaying(page);
+  await expect(page.locator("canvas")).toHaveCount(1);
+  await expect(element).not.toHaveAttribute("data-error");
 });

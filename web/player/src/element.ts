@@ -5,12 +5,14 @@
  * - `service`: address of a Galewood service instead, whose trees are planted.
  * - `trees`: their number, 1 to 500 (9).
  * - `wind`: a preset (still, breeze, autumn-gusts, storm-front), or a wind document.
+ * - `renderer`: of three.js, `webgl` or `webgpu` (webgl). The second draws by WebGL 2 where there is no WebGPU.
  *
  * Where no trees can be shown it says why, in a paragraph and in its attribute `data-error`.
  */
 import { PRESETS, parseWindText, type WindDocument } from "./core";
 import { Forest, servedTrees } from "./three";
-import { places, Stage } from "./three/stage";
+import type { BaseForest } from "./three/baseForest";
+import { noGraphics, places, SMOOTH_OVER_PAGE, Stage, type StageRenderer, startWebgl } from "./three/stage";
 
 const MOST_TREES = 500;
 
@@ -19,13 +21,33 @@ function windOf(text: string | null): WindDocument {
   return Object.hasOwn(PRESETS, name) ? PRESETS[name as keyof typeof PRESETS] : parseWindText(name);
 }
 
+/** A forest and what draws it. */
+interface Drawn {
+  readonly renderer: StageRenderer;
+  readonly forest: BaseForest;
+}
+
+const byWebgl = (wind: WindDocument): Drawn => ({ renderer: startWebgl(), forest: new Forest({ wind }) });
+
+/** Loads what WebGPURenderer needs, which pages with the other one do without. */
+async function byWebgpu(wind: WindDocument): Promise<Drawn> {
+  const [nodes, { WebGPURenderer }] = await Promise.all([import("./webgpu"), import("three/webgpu")]);
+  const renderer = new WebGPURenderer(SMOOTH_OVER_PAGE);
+  try {
+    await renderer.init();
+  } catch (cause) {
+    throw noGraphics(cause);
+  }
+  return { renderer, forest: new nodes.Forest({ wind }) };
+}
+
 /** Where pages are rendered on a server there are no elements: the module can be imported, and defines none. */
 const Base = typeof HTMLElement === "undefined" ? (class {} as typeof HTMLElement) : HTMLElement;
 
 export class GalewoodForest extends Base {
   static readonly observedAttributes = ["wind"];
   /** The forest; null while the element is in no document. */
-  forest: Forest | null = null;
+  forest: BaseForest | null = null;
   /** Ends everything that runs. */
   private end = () => {};
   /** How often it was added to a document or removed. */
@@ -34,7 +56,7 @@ export class GalewoodForest extends Base {
   connectedCallback(): void {
     this.removeAttribute("data-error");
     const mount = ++this.mounts;
-    this.begin().catch((error: unknown) => {
+    this.begin(mount).catch((error: unknown) => {
       if (mount !== this.mounts) return; // removed from the page meanwhile
       this.stop();
       this.report(error);
@@ -77,13 +99,20 @@ export class GalewoodForest extends Base {
     }
   }
 
-  private async begin(): Promise<void> {
-    const forest = new Forest({ wind: windOf(this.getAttribute("wind")) });
-    this.forest = forest;
-    this.end = () => forest.dispose();
+  private async begin(mount: number): Promise<void> {
+    const wind = windOf(this.getAttribute("wind"));
+    const asked = this.getAttribute("renderer") ?? "webgl";
+    if (asked !== "webgl" && asked !== "webgpu")
+      throw new Error(`galewood-forest: renderer is webgl or webgpu, not ${asked}`);
+    const { renderer, forest } = asked === "webgl" ? byWebgl(wind) : await byWebgpu(wind);
     const count = Math.min(MOST_TREES, Math.max(1, Number(this.getAttribute("trees") ?? 9) || 1));
     this.style.display ||= "block";
-    const stage = new Stage(this, forest, count);
+    const stage = new Stage(this, forest, renderer, count);
+    if (mount !== this.mounts) {
+      stage.end(); // removed from the page while the renderer was loaded
+      return;
+    }
+    this.forest = forest;
     this.end = () => stage.end();
     stage.run(await this.plant(forest, count));
   }

@@ -3,7 +3,7 @@
 import workerSource from "virtual:worker";
 import { parseWind, type WindDocument } from "../core/wind/document";
 import { Forest } from "../three/forest";
-import { places, Stage } from "../three/stage";
+import { places, Stage, startWebgl } from "../three/stage";
 import { WindControls } from "./windControls";
 
 /** The part of anywidget's model that is needed; precompute/galewood/io/notebook/widget.py is its other side. */
@@ -81,7 +81,7 @@ function begin(model: Model, el: HTMLElement, picture: HTMLElement): () => void 
 /** Where there is no WebGL the forest's worker must not stay. */
 function staged(picture: HTMLElement, forest: Forest, trees: number): Stage {
   try {
-    return new Stage(picture, forest, trees);
+    return new Stage(picture, forest, startWebgl(), trees);
   } catch (error) {
     forest.dispose();
     throw error;

@@ -32,17 +32,30 @@ export function places(count: number): Matrix4[] {
   });
 }
 
-function startRenderer(): WebGLRenderer {
+/** WebGLRenderer or WebGPURenderer. */
+export interface StageRenderer
+  extends Pick<WebGLRenderer, "domElement" | "render" | "setPixelRatio" | "setSize" | "dispose"> {
+  readonly shadowMap: Pick<WebGLRenderer["shadowMap"], "enabled" | "type">;
+  setAnimationLoop(callback: ((time_ms: number) => void) | null): unknown;
+  forceContextLoss?(): void;
+}
+
+export const SMOOTH_OVER_PAGE = { antialias: true, alpha: true };
+
+/** The error of a renderer that cannot start. */
+export const noGraphics = (cause: unknown) =>
+  new Error("this browser does not show 3D graphics: WebGL 2 is switched off or missing", { cause });
+
+export function startWebgl(): WebGLRenderer {
   try {
-    return new WebGLRenderer({ antialias: true, alpha: true });
+    return new WebGLRenderer(SMOOTH_OVER_PAGE);
   } catch (cause) {
-    throw new Error("this browser does not show 3D graphics: WebGL 2 is switched off or missing", { cause });
+    throw noGraphics(cause);
   }
 }
 
-/** A picture that fills an element, with sun, sky and ground for so many trees at `places`. */
+/** A picture that fills an element, with sun, sky and ground for so many trees at `places`. Disposes of its renderer and forest. */
 export class Stage {
-  private readonly renderer = startRenderer();
   private readonly camera = new PerspectiveCamera(46, 1, 0.3, 1000);
   private readonly scene = new Scene();
   private readonly observer: ResizeObserver;
@@ -52,6 +65,7 @@ export class Stage {
   constructor(
     private readonly host: HTMLElement,
     private readonly forest: BaseForest,
+    private readonly renderer: StageRenderer,
     trees: number,
   ) {
     this.radius_m = SPACING_M * Math.sqrt(trees);
@@ -93,7 +107,7 @@ export class Stage {
     this.renderer.setAnimationLoop(null);
     this.forest.dispose();
     this.renderer.dispose();
-    this.renderer.forceContextLoss(); // browsers allow few contexts, and free them late
+    this.renderer.forceContextLoss?.(); // browsers allow few contexts, and free them late
     this.renderer.domElement.remove();
   }
 
@@ -108,7 +122,7 @@ export class Stage {
 }
 
 /** Sun, sky and the shadows on the ground of a forest with this radius. */
-function lit(renderer: WebGLRenderer, radius_m: number) {
+function lit(renderer: StageRenderer, radius_m: number) {
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = PCFShadowMap;
   const sun = new DirectionalLight(0xfff1d6, 3);
