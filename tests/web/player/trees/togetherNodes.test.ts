@@ -193,3 +193,27 @@ test(`levels far away take every second or fourth pose, and keep the one before 
     });
   }
 });
+
+test("species take the poses of distant trees in different frames, and show those of the selection until then", () => {
+  const next = random(SEED);
+  const all = new TogetherNodes(MAX_SIDE, { value: 1 });
+  const farthest = NODE_LEVEL_COUNT - 1;
+  const period = PERIODS[farthest];
+  const species = Array.from({ length: period }, () => {
+    const motion = motionOf(next, 20);
+    const nodes = all.add(motion);
+    const list = listOf(next, 9);
+    const poses = new Float32Array(list.order.length * motion.stride);
+    nodes.setPoses(poses, null);
+    nodes.place(list, () => {});
+    return { nodes, poses };
+  });
+  const taking: number[][] = [];
+  for (let frame = 0; frame < 3 * period; frame++) {
+    const before = species.map(({ nodes }) => nodes.shares[farthest]);
+    for (const { nodes, poses } of species) nodes.setPoses(poses, null);
+    taking.push(species.flatMap(({ nodes: { shares } }, k) => (shares[farthest] < before[k] ? [k] : [])));
+    for (const { nodes } of species) expect(nodes.shares[0]).toBe(1);
+  }
+  expect(taking).toEqual(Array.from(taking, (_, frame) => [frame % period]));
+});

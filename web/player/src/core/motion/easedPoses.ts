@@ -4,10 +4,12 @@ import { poseStride } from "./poseStride";
 
 /** How poses are to be displayed that are reached over several frames. */
 export interface Easing {
+  /** Where each coordinate of distant trees is among those; -1 if it is not. */
+  placesAmong(coordinates: Uint16Array): Int32Array;
   /**
-   * Takes a tree, whose newest pose has these coordinates in `data` from `at` on, back to where it is on the way there.
+   * Takes a tree, whose newest pose has its coordinates at these `places` of `data` from `at` on, back to where it is on the way there.
    */
-  ease(tree: number, coordinates: Uint16Array, data: Float32Array, at: number): void;
+  ease(tree: number, places: Int32Array, data: Float32Array, at: number): void;
 }
 
 export class EasedPoses implements Easing {
@@ -40,13 +42,17 @@ export class EasedPoses implements Easing {
     return period === 0 ? 1 : Math.min(1, (this.frame - this.since[tree] + 1) / period);
   }
 
-  ease(tree: number, coordinates: Uint16Array, data: Float32Array, at: number): void {
+  placesAmong(coordinates: Uint16Array): Int32Array {
+    return Int32Array.from(this.coordinates, (one) => coordinates.indexOf(one));
+  }
+
+  ease(tree: number, places: Int32Array, data: Float32Array, at: number): void {
     const share = this.share(tree);
     if (share === 1) return;
-    const width = this.coordinates.length;
+    const width = places.length;
     for (let k = 0; k < width; k++) {
-      const to = at + coordinates.indexOf(this.coordinates[k]);
-      if (to < at) continue;
+      if (places[k] < 0) continue;
+      const to = at + places[k];
       const past = this.before[tree * width + k];
       data[to] = past + share * (data[to] - past);
     }

@@ -46,6 +46,8 @@ export class SpeciesNodes implements TreeNodes {
   posesWanted = 0;
   /** Frames since each level's last pose update. */
   private readonly ages: Uint8Array;
+  /** Frames for which each level still shows the poses it had when other trees were selected. */
+  private readonly waits: Uint8Array;
   /** Of each level, in the block. */
   private places: readonly LevelRows[];
   private readonly posesFrom: Int32Array;
@@ -54,14 +56,17 @@ export class SpeciesNodes implements TreeNodes {
   private poses: Float32Array | null = null;
   private easing: Easing | null = null;
 
+  /** `turn`: species with different ones take the poses of distant trees in different frames. */
   constructor(
     private readonly all: SharedNodes,
     readonly motion: DrawnMotion,
+    private readonly turn: number,
   ) {
     const { levels } = motion;
     this.levels = levels;
     this.shares = new Float32Array(levels.length).fill(1);
     this.ages = new Uint8Array(levels.length);
+    this.waits = new Uint8Array(levels.length);
     this.places = levels.map(() => ({ row: 0, rows: 0, trees: 0 }));
     this.posesFrom = new Int32Array(levels.length);
   }
@@ -148,6 +153,7 @@ export class SpeciesNodes implements TreeNodes {
     for (const [k] of this.levels.entries()) {
       this.gather(k, rows);
       this.ages[k] = PERIODS[k] - 1;
+      this.waits[k] = this.turn % PERIODS[k];
       this.shares[k] = 1;
     }
   }
@@ -163,9 +169,13 @@ export class SpeciesNodes implements TreeNodes {
 
   /** Takes the poses of the levels that are due, and interpolates those of the others. */
   private advance(): void {
-    const { rows, ages } = this;
+    const { rows, ages, waits } = this;
     if (!rows) return;
     for (const [k] of this.levels.entries()) {
+      if (waits[k] > 0) {
+        waits[k]--;
+        continue;
+      }
       const period = PERIODS[k];
       ages[k] = (ages[k] + 1) % period;
       if (ages[k] === 0) {

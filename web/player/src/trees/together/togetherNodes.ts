@@ -80,6 +80,8 @@ export class TogetherNodes implements SharedNodes {
   readonly newest = new PoseTexture();
   readonly before = new PoseTexture();
   private readonly species: SpeciesNodes[] = [];
+  /** Number of species that have ever been added. */
+  private added = 0;
   /** Ends of what is taken: rows of the target, texels of the poses. */
   private endRow = 0;
   private endPose = 0;
@@ -139,7 +141,7 @@ export class TogetherNodes implements SharedNodes {
   }
 
   add(motion: DrawnMotion): SpeciesNodes {
-    const own = new SpeciesNodes(this, motion);
+    const own = new SpeciesNodes(this, motion, this.added++);
     this.species.push(own);
     this.speciesChanged = true;
     return own;
