@@ -110,7 +110,8 @@ class Page {
       const stride = poseStride(modes);
       const shown = eased.poses.slice();
       const every = Uint16Array.from({ length: modes }, (_, k) => k);
-      for (let tree = 0; tree * stride < shown.length; tree++) eased.ease(tree, eased.placesAmong(every), shown, tree * stride);
+      const ease = eased.easing(every);
+      for (let tree = 0; tree * stride < shown.length; tree++) ease(tree, shown, tree * stride);
       return shown;
     });
   }

@@ -4,12 +4,10 @@ import { poseStride } from "./poseStride";
 
 /** How poses are to be displayed that are reached over several frames. */
 export interface Easing {
-  /** Where each coordinate of distant trees is among those; -1 if it is not. */
-  placesAmong(coordinates: Uint16Array): Int32Array;
   /**
-   * Takes a tree, whose newest pose has its coordinates at these `places` of `data` from `at` on, back to where it is on the way there.
+   * For poses that have these coordinates: takes a tree, whose newest pose is in `data` from `at` on, back to where it is on the way there.
    */
-  ease(tree: number, places: Int32Array, data: Float32Array, at: number): void;
+  easing(coordinates: Uint16Array): (tree: number, data: Float32Array, at: number) => void;
 }
 
 export class EasedPoses implements Easing {
@@ -42,20 +40,18 @@ export class EasedPoses implements Easing {
     return period === 0 ? 1 : Math.min(1, (this.frame - this.since[tree] + 1) / period);
   }
 
-  placesAmong(coordinates: Uint16Array): Int32Array {
-    return Int32Array.from(this.coordinates, (one) => coordinates.indexOf(one));
-  }
-
-  ease(tree: number, places: Int32Array, data: Float32Array, at: number): void {
-    const share = this.share(tree);
-    if (share === 1) return;
-    const width = places.length;
-    for (let k = 0; k < width; k++) {
-      if (places[k] < 0) continue;
-      const to = at + places[k];
-      const past = this.before[tree * width + k];
-      data[to] = past + share * (data[to] - past);
-    }
+  easing(coordinates: Uint16Array) {
+    const places = Array.from(this.coordinates, (one) => coordinates.indexOf(one));
+    return (tree: number, data: Float32Array, at: number): void => {
+      const share = this.share(tree);
+      if (share === 1) return;
+      for (let k = 0; k < places.length; k++) {
+        const to = at + places[k];
+        if (to < at) continue;
+        const past = this.before[tree * places.length + k];
+        data[to] = past + share * (data[to] - past);
+      }
+    };
   }
 
   /** Begins a frame, which takes no packets, one or several. */

@@ -30,14 +30,14 @@ export function gatherPoses(
   from: number,
 ): void {
   const first = start[index];
-  const eased = easing?.placesAmong(coordinates);
+  const ease = easing?.easing(coordinates);
   let to = from;
   for (let slot = first; slot < first + trees; slot++, to += 4 * quads) {
     const tree = order[slot];
     const row = tree * stride;
     for (let k = 0; k < coordinates.length; k++) data[to + k] = poses[row + coordinates[k]];
     data[to + coordinates.length] = poses[row + wind];
-    if (eased) easing?.ease(tree, eased, data, to);
+    ease?.(tree, data, to);
   }
 }
 
