@@ -102,6 +102,16 @@ test.describe("the custom element says why it shows no trees", { tag: "@long" },
     });
   }
 
+  test("with a renderer that there is not", async ({ page, quiet }) => {
+    await page.route("**/element/", async (route) => {
+      const page = await (await route.fetch()).text();
+      await route.fulfill({ body: page.replace(" src=", ' renderer="vulkan" src='), contentType: "text/html" });
+    });
+    await page.goto(`${await serving(EXAMPLES)}/element/`);
+    await expect(said(page)).toContainText("renderer is webgl or webgpu, not vulkan");
+    expect(logged(quiet)).toContain("not vulkan");
+  });
+
   test("where no service answers", async ({ page, quiet }) => {
     await page.route("**/api/trees", (route) => route.fulfill({ body: "{}", contentType: "application/json" }));
     await page.route("**/element/", async (route) => {
@@ -174,25 +184,56 @@ async function countWorkers(page: Page): Promise<void> {
 
 const running = (page: Page) => page.evaluate(() => (globalThis as unknown as { running: number }).running);
 
-test("mounted, removed and mounted again, as by strict mode of React: no error, no worker is left", { tag: "@long" }, async ({ page }) => {
-  await countWorkers(page);
-  await page.goto(`${await serving(EXAMPLES)}/element/`);
-  const element = page.locator("galewood-forest");
-  // more often than a browser allows contexts of WebGL
-  await element.evaluate(async (one) => {
-    const parent = one.parentElement as HTMLElement;
-    for (let mount = 0; mount < 20; mount++) {
-      one.remove();
-      parent.append(one);
-      await new Promise((done) => setTimeout(done, 10 * mount));
-    }
+/** What Chromium and three.js remark where WebGPURenderer draws by WebGL 2. */
+const FALLBACK = /No available adapters|WebGPU is not available, running under WebGL2/;
+const besidesFallback = (quiet: string[]) => quiet.splice(0).filter((text) => !FALLBACK.test(text));
+
+// Without WebGPU its renderer draws by WebGL 2. It is still being loaded when the element is removed.
+for (const [renderer, query] of [
+  ["WebGLRenderer", ""],
+  ["WebGPURenderer", "?webgpu"],
+]) {
+  test(`mounted, removed and mounted again, as by strict mode of React, ${renderer}: no error, no worker is left`, { tag: "@long" }, async ({ page, quiet }) => {
+    await countWorkers(page);
+    await page.goto(`${await serving(EXAMPLES)}/element/${query}`);
+    const element = page.locator("galewood-forest");
+    // more often than a browser allows contexts of WebGL
+    await element.evaluate(async (one) => {
+      const parent = one.parentElement as HTMLElement;
+      for (let mount = 0; mount < 20; mount++) {
+        one.remove();
+        parent.append(one);
+        await new Promise((done) => setTimeout(done, 10 * mount));
+      }
+    });
+    await swaying(page);
+    expect(await running(page)).toBe(1);
+    await expect(page.locator("canvas")).toHaveCount(1);
+    await expect(element).not.toHaveAttribute("data-error");
+    await element.evaluate((one) => one.remove());
+    expect(await running(page)).toBe(0);
+    expect(besidesFallback(quiet)).toEqual([]);
   });
-  await swaying(page);
-  expect(await running(page)).toBe(1);
-  await expect(page.locator("canvas")).toHaveCount(1);
-  await expect(element).not.toHaveAttribute("data-error");
-  await element.evaluate((one) => one.remove());
-  expect(await running(page)).toBe(0);
+}
+
+test("a wind that is set while WebGPURenderer is being loaded", { tag: "@long" }, async ({ page, quiet }) => {
+  let release = () => {};
+  const released = new Promise<void>((done) => {
+    release = done;
+  });
+  await page.route("**/three.webgpu.js", async (route) => {
+    await released;
+    await route.continue();
+  });
+  await page.goto(`${await serving(EXAMPLES)}/element/?webgpu`);
+  const forest = () =>
+    page.locator("galewood-forest").evaluate((one) => (one as unknown as { forest: { wind: { model: string } } | null }).forest?.wind.model);
+  await page.evaluate(() => customElements.whenDefined("galewood-forest"));
+  expect(await forest()).toBeUndefined();
+  await page.locator("galewood-forest").evaluate((one) => one.setAttribute("wind", "storm-front"));
+  release();
+  await expect.poll(forest).toBe("navier-stokes");
+  expect(besidesFallback(quiet)).toEqual([]);
 });
 
 interface Shown {

@@ -120,19 +120,3 @@ test("the custom element by WebGPURenderer: the picture of WebGLRenderer, and tr
   await page.locator("galewood-forest").evaluate((one) => one.remove());
   await expect(page.locator("canvas")).toHaveCount(0);
 });
-
-test("an element that is removed while WebGPURenderer is loaded leaves nothing behind", { tag: "@long" }, async ({ page }) => {
-  await page.goto(`${await serving(EXAMPLES)}/element/?webgpu`);
-  const element = page.locator("galewood-forest");
-  await element.evaluate(async (one) => {
-    const parent = one.parentElement as HTMLElement;
-    for (let mount = 0; mount < 5; mount++) {
-      one.remove();
-      parent.append(one);
-      await new Promise((done) => setTimeout(done, 10 * mount));
-    }
-  });
-  await swaying(page);
-  await expect(page.locator("canvas")).toHaveCount(1);
-  await expect(element).not.toHaveAttribute("data-error");
-});

@@ -12,7 +12,7 @@
 import { PRESETS, parseWindText, type WindDocument } from "./core";
 import { Forest, servedTrees } from "./three";
 import type { BaseForest } from "./three/baseForest";
-import { noGraphics, places, SMOOTH_OVER_PAGE, Stage, type StageRenderer, startWebgl } from "./three/stage";
+import { noGraphics, places, RENDERER_OPTIONS, Stage, type StageRenderer, startWebgl } from "./three/stage";
 
 const MOST_TREES = 500;
 
@@ -32,7 +32,7 @@ const byWebgl = (wind: WindDocument): Drawn => ({ renderer: startWebgl(), forest
 /** Loads what WebGPURenderer needs, which pages with the other one do without. */
 async function byWebgpu(wind: WindDocument): Promise<Drawn> {
   const [nodes, { WebGPURenderer }] = await Promise.all([import("./webgpu"), import("three/webgpu")]);
-  const renderer = new WebGPURenderer(SMOOTH_OVER_PAGE);
+  const renderer = new WebGPURenderer(RENDERER_OPTIONS);
   try {
     await renderer.init();
   } catch (cause) {
@@ -100,7 +100,8 @@ export class GalewoodForest extends Base {
   }
 
   private async begin(mount: number): Promise<void> {
-    const wind = windOf(this.getAttribute("wind"));
+    const text = this.getAttribute("wind");
+    const wind = windOf(text);
     const asked = this.getAttribute("renderer") ?? "webgl";
     if (asked !== "webgl" && asked !== "webgpu")
       throw new Error(`galewood-forest: renderer is webgl or webgpu, not ${asked}`);
@@ -114,6 +115,8 @@ export class GalewoodForest extends Base {
     }
     this.forest = forest;
     this.end = () => stage.end();
+    const now = this.getAttribute("wind"); // it may have changed while the renderer was loaded
+    if (now !== text) this.attributeChangedCallback("wind", text, now);
     stage.run(await this.plant(forest, count));
   }
 

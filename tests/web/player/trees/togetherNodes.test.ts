@@ -140,18 +140,21 @@ test(`species share target, poses and rows, whatever is drawn of each (seed ${SE
   expect(moves).toBeGreaterThan(0);
 });
 
+/** A species whose trees are drawn, in rest. */
+function drawnSpecies(all: TogetherNodes, next: () => number, modes: number) {
+  const motion = motionOf(next, modes);
+  const nodes = all.add(motion);
+  const list = listOf(next, 9);
+  const poses = new Float32Array(list.order.length * motion.stride);
+  nodes.setPoses(poses, null);
+  nodes.place(list, () => {});
+  return { nodes, poses };
+}
+
 test("all species are drawn once a frame, and again if poses have changed since", () => {
   const next = random(SEED);
   const all = new TogetherNodes(MAX_SIDE, { value: 1 });
-  const species = [4, 8].map((modes) => {
-    const motion = motionOf(next, modes);
-    const nodes = all.add(motion);
-    const list = listOf(next, 9);
-    const poses = new Float32Array(list.order.length * motion.stride);
-    nodes.setPoses(poses, null);
-    nodes.place(list, () => {});
-    return { nodes, poses };
-  });
+  const species = [4, 8].map((modes) => drawnSpecies(all, next, modes));
   const { renderer, drawn } = recorder();
   const frame = () => {
     for (const { nodes } of species) nodes.render(renderer);
@@ -194,20 +197,12 @@ test(`levels far away take every second or fourth pose, and keep the one before 
   }
 });
 
-test("species take the poses of distant trees in different frames, and show those of the selection until then", () => {
+test(`species take the poses of distant trees in different frames (seed ${SEED})`, () => {
   const next = random(SEED);
   const all = new TogetherNodes(MAX_SIDE, { value: 1 });
   const farthest = NODE_LEVEL_COUNT - 1;
   const period = PERIODS[farthest];
-  const species = Array.from({ length: period }, () => {
-    const motion = motionOf(next, 20);
-    const nodes = all.add(motion);
-    const list = listOf(next, 9);
-    const poses = new Float32Array(list.order.length * motion.stride);
-    nodes.setPoses(poses, null);
-    nodes.place(list, () => {});
-    return { nodes, poses };
-  });
+  const species = Array.from({ length: period }, () => drawnSpecies(all, next, 20));
   const taking: number[][] = [];
   for (let frame = 0; frame < 3 * period; frame++) {
     const before = species.map(({ nodes }) => nodes.shares[farthest]);

@@ -110,7 +110,7 @@ class Page {
       const stride = poseStride(modes);
       const shown = eased.poses.slice();
       const every = Uint16Array.from({ length: modes }, (_, k) => k);
-      const ease = eased.easing(every);
+      const ease = eased.easer(every);
       for (let tree = 0; tree * stride < shown.length; tree++) ease(tree, shown, tree * stride);
       return shown;
     });

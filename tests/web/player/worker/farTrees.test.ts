@@ -165,7 +165,7 @@ test("a packet brings near poses exactly and distant ones within half a unit, wh
     shown.take(packPoses([{ ...group, changed: nothing }], null), 0, { ...start });
   }
   const data = Float32Array.from(coordinates, (k) => shown.poses[STRIDE + k]);
-  shown.easing(coordinates)(1, data, 0);
+  shown.easer(coordinates)(1, data, 0);
   for (const [at, k] of coordinates.entries()) {
     const [from, to] = [before[STRIDE + k], poses[STRIDE + k]];
     expect(Math.abs(data[at] - (from + 0.75 * (to - from)))).toBeLessThan(2.51e-4);

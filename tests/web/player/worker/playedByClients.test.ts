@@ -189,7 +189,7 @@ class Visitor {
     const { eased } = this;
     return Array.from({ length: TREES }, (_, tree) => {
       const shown = eased.poses.slice(tree * STRIDE, tree * STRIDE + 1);
-      eased.easing(Uint16Array.of(0))(tree, shown, 0);
+      eased.easer(Uint16Array.of(0))(tree, shown, 0);
       return shown[0];
     });
   }

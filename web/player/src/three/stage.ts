@@ -40,7 +40,7 @@ export interface StageRenderer
   forceContextLoss?(): void;
 }
 
-export const SMOOTH_OVER_PAGE = { antialias: true, alpha: true };
+export const RENDERER_OPTIONS = { antialias: true, alpha: true };
 
 /** The error of a renderer that cannot start. */
 export const noGraphics = (cause: unknown) =>
@@ -48,7 +48,7 @@ export const noGraphics = (cause: unknown) =>
 
 export function startWebgl(): WebGLRenderer {
   try {
-    return new WebGLRenderer(SMOOTH_OVER_PAGE);
+    return new WebGLRenderer(RENDERER_OPTIONS);
   } catch (cause) {
     throw noGraphics(cause);
   }

@@ -5,9 +5,9 @@ import { poseStride } from "./poseStride";
 /** How poses are to be displayed that are reached over several frames. */
 export interface Easing {
   /**
-   * For poses that have these coordinates: takes a tree, whose newest pose is in `data` from `at` on, back to where it is on the way there.
+   * Returns what takes a tree, whose newest pose is in `data` from `at` on and has these coordinates, back to where it is on the way there.
    */
-  easing(coordinates: Uint16Array): (tree: number, data: Float32Array, at: number) => void;
+  easer(coordinates: Uint16Array): (tree: number, data: Float32Array, at: number) => void;
 }
 
 export class EasedPoses implements Easing {
@@ -40,7 +40,7 @@ export class EasedPoses implements Easing {
     return period === 0 ? 1 : Math.min(1, (this.frame - this.since[tree] + 1) / period);
   }
 
-  easing(coordinates: Uint16Array) {
+  easer(coordinates: Uint16Array) {
     const places = Array.from(this.coordinates, (one) => coordinates.indexOf(one));
     return (tree: number, data: Float32Array, at: number): void => {
       const share = this.share(tree);

@@ -30,7 +30,7 @@ export function gatherPoses(
   from: number,
 ): void {
   const first = start[index];
-  const ease = easing?.easing(coordinates);
+  const ease = easing?.easer(coordinates);
   let to = from;
   for (let slot = first; slot < first + trees; slot++, to += 4 * quads) {
     const tree = order[slot];
